@@ -1,6 +1,6 @@
 //! Anti-windup, section 6.5.1.
 
-use crate::arithmetic::{held, wide_product};
+use crate::arithmetic::{clamp, wide_product};
 use crate::control_signal::ControlSignal;
 use crate::error::{ConfigError, Field};
 use crate::integrator::Integrator;
@@ -98,6 +98,6 @@ impl Tracking {
         // |excess| < 2³⁰ and the share at most 1: below 2⁶⁰, and the integral part at most 10 · 2⁵⁰.
         let sum = (integral.bits() >> FINER).wrapping_sub(wide_product(self.0, excess));
         let bound = (pid.integral_max() as i64) << (32 - FINER);
-        Integrator::from_bits(held(sum, bound) << FINER)
+        Integrator::from_bits(clamp(sum, bound) << FINER)
     }
 }

@@ -28,13 +28,13 @@ pub(crate) const fn from_high_word(high: i32) -> i64 {
 
 /// Clamps `x` to ±`bound`, which is not negative.
 #[inline(always)]
-pub(crate) fn held(x: i64, bound: i64) -> i64 {
+pub(crate) fn clamp(x: i64, bound: i64) -> i64 {
     x.min(bound).max(bound.wrapping_neg())
 }
 
 /// Reload barrier: keeps the compiler from moving later memory reads before this point. It emits no instruction. A
 /// value that is read early occupies a register, and a sample has to save each register beyond the first few.
 #[inline(always)]
-pub(crate) fn no_reading_ahead() {
+pub(crate) fn reload_barrier() {
     compiler_fence(Ordering::SeqCst);
 }

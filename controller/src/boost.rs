@@ -71,6 +71,6 @@ impl Boost {
         } else {
             boost
         };
-        summed.held(self.max)
+        summed.clamp(self.max)
     }
 }

@@ -28,7 +28,7 @@ impl Integrator {
 
     /// Returns the same sum, counted in the other direction.
     #[inline(always)]
-    pub(crate) const fn turned(self) -> Self {
+    pub(crate) const fn negated(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
@@ -42,7 +42,7 @@ impl Integrator {
     ///
     /// The lower word is not clamped: it is less than one unit of the upper word, and u uses only the upper word.
     #[inline(always)]
-    pub(crate) const fn held(self, bound: Bound) -> Self {
+    pub(crate) const fn clamp(self, bound: Bound) -> Self {
         let low = self.0 & 0xFFFF_FFFF;
         Self(from_high_word(bound.hold(high_word(self.0))).wrapping_add(low))
     }

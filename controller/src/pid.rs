@@ -1,6 +1,6 @@
 //! Discrete PID controller (equation 6.2).
 
-use crate::arithmetic::{from_high_word, held, high_word, no_reading_ahead, wide_product};
+use crate::arithmetic::{clamp, from_high_word, high_word, reload_barrier, wide_product};
 use crate::error::{Coefficient, ConfigError, Field};
 use crate::integrator::{Bound, Integrator};
 use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
@@ -106,8 +106,8 @@ impl Pid {
     #[inline(always)]
     pub(crate) fn integrated(&self, integral: Integrator, error: i32) -> Integrator {
         let summed = integral.advanced(wide_product(self.integral, error));
-        no_reading_ahead();
-        summed.held(self.integral_max)
+        reload_barrier();
+        summed.clamp(self.integral_max)
     }
 
     /// Returns the integral part of u (100 %), 2⁻²⁰.
@@ -125,9 +125,9 @@ impl Pid {
         // |u| ≤ 1 and K e ≤ 320 are clamped to 13 times 100 %. That is more than the largest bound and the largest term
         // (0.079 · 32) together, and with 59 fraction bits it fits into 64.
         let rest = u.wrapping_sub(self.proportional(error)) as i64;
-        let rest = held(rest, 13 << 20) << (59 - 20);
+        let rest = clamp(rest, 13 << 20) << (59 - 20);
         let before = rest.wrapping_sub(wide_product(self.integral, error));
-        Integrator::from_bits(held(before, from_high_word(self.integral_max.get())))
+        Integrator::from_bits(clamp(before, from_high_word(self.integral_max.get())))
     }
 
     /// Returns the bound of the integral part (100 %), 2⁻²⁷.

@@ -3,7 +3,7 @@
 use core::mem;
 
 use crate::anti_windup::is_driven;
-use crate::arithmetic::no_reading_ahead;
+use crate::arithmetic::reload_barrier;
 use crate::config::{Coefficients, Config};
 use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
@@ -50,7 +50,7 @@ pub(crate) fn sample(
     let pressure_change = direction.along(now.pressure.wrapping_sub(before.pressure));
 
     if direction != Direction::of(before.error) {
-        state.integral = state.integral.turned();
+        state.integral = state.integral.negated();
         state.clear_at_reference(structure.integral_at_reference);
     }
     let shortfall = config.boost.shortfall(pressure_change);
@@ -88,7 +88,7 @@ pub(crate) fn sample(
         state.boost = boost;
     }
     // The direction is read again from the state, so that no register has to keep it until here.
-    no_reading_ahead();
+    reload_barrier();
     let direction = state.direction();
     let (duty_fill, duty_vent) = config
         .distributor

@@ -50,7 +50,7 @@ pub(crate) struct Detectors {
 
 /// Commands to the valves until now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Told {
+pub(crate) struct Command {
     pub(crate) valves: Valves,
     /// Valve opening in the last sample.
     pub(crate) opening: Output,
@@ -58,7 +58,7 @@ pub(crate) struct Told {
 
 /// Observations of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Seen {
+pub(crate) struct Observation {
     /// Chamber pressure; `None` if this sample's code is implausible.
     pub(crate) pressure: Option<Pressure>,
     /// Last valid reference.
@@ -81,19 +81,26 @@ impl Detectors {
         sample_time: SampleTimeDetector::NEW,
     };
 
-    /// Runs one sample; `told` contains the commands to the valves until now.
+    /// Runs one sample; `command` contains the commands to the valves until now.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, limits: &Limits, told: &Told, inputs: &Inputs) -> Seen {
+    pub(crate) fn sample(
+        &mut self,
+        limits: &Limits,
+        command: &Command,
+        inputs: &Inputs,
+    ) -> Observation {
         let reference_is_new = self.reference.sample(limits, inputs.reference);
-        let pressure = self.pressure.sample(limits, told.opening, inputs.pressure);
+        let pressure = self
+            .pressure
+            .sample(limits, command.opening, inputs.pressure);
         let bits = pressure.map(Pressure::to_bits);
-        self.response.sample(limits, &told.valves, bits);
-        self.offset.sample(limits, &told.valves, bits);
+        self.response.sample(limits, &command.valves, bits);
+        self.offset.sample(limits, &command.valves, bits);
         self.fill_coil.sample(limits, inputs.current_fill_ma);
         self.vent_coil.sample(limits, inputs.current_vent_ma);
         self.battery.sample(limits, inputs.battery_mv);
         self.sample_time.sample(limits, inputs.elapsed_us);
-        Seen {
+        Observation {
             pressure,
             reference: self.reference.last(),
             reference_is_new,
@@ -103,9 +110,9 @@ impl Detectors {
 
     /// Records the duty cycles that were just applied to the coils.
     #[inline(always)]
-    pub(crate) fn told(&mut self, outputs: Outputs) {
-        self.fill_coil.told(outputs.duty_fill);
-        self.vent_coil.told(outputs.duty_vent);
+    pub(crate) fn command(&mut self, outputs: Outputs) {
+        self.fill_coil.command(outputs.duty_fill);
+        self.vent_coil.command(outputs.duty_vent);
     }
 
     #[inline(always)]

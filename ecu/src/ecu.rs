@@ -4,7 +4,7 @@ use controller::{Activity, ControlSignal, Duty, Input, Output, Pressure, State, 
 use hil_protocol::{ResetCause, Telemetry};
 
 use crate::config::EcuConfig;
-use crate::detector::{Detectors, Seen, Told};
+use crate::detector::{Command, Detectors, Observation};
 use crate::digest::digest;
 use crate::fault::FaultSet;
 use crate::input_output::{Inputs, Outputs, safe_outputs};
@@ -21,7 +21,7 @@ use crate::valve::Valves;
 /// ```text
 ///  inputs ──► detectors ──► supervisor ──► controller ──► mode's valves ──► coils
 ///                 ▲         mode, faults   reference led   shut, vent only     │
-///                 └───────────────── what valves and coils were told ◄─────────┘
+///                 └───────────────── what valves and coils were command ◄─────────┘
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ecu {
@@ -38,7 +38,7 @@ struct EcuState {
     controller: State,
     detectors: Detectors,
     supervisor: Supervisor,
-    told: Told,
+    command: Command,
     /// Last plausible pressure.
     pressure: Pressure,
     /// Last reference that was passed to the controller.
@@ -59,7 +59,7 @@ impl Ecu {
                 controller: State::at_rest(),
                 detectors: Detectors::NEW,
                 supervisor: Supervisor::NEW,
-                told: Told {
+                command: Command {
                     valves: Valves::UNKNOWN,
                     opening: Output::OFF,
                 },
@@ -75,14 +75,16 @@ impl Ecu {
     pub fn sample(&mut self, inputs: &Inputs) -> Outputs {
         let is_damaged = self.config != self.copy;
         let Self { config, state, .. } = self;
-        let seen = state.detectors.sample(&config.limits, &state.told, inputs);
-        if let Some(pressure) = seen.pressure {
+        let observation = state
+            .detectors
+            .sample(&config.limits, &state.command, inputs);
+        if let Some(pressure) = observation.pressure {
             state.pressure = pressure;
         }
         state
             .supervisor
-            .sample(config, &seen, state.pressure, is_damaged);
-        let opening = state.opening_for(config, &seen);
+            .sample(config, &observation, state.pressure, is_damaged);
+        let opening = state.opening_for(config, &observation);
         let outputs = match state.supervisor.mode() {
             Mode::Safe | Mode::Locked => safe_outputs(),
             _ => coils(opening, config.vent_valve),
@@ -175,9 +177,9 @@ impl Ecu {
 impl EcuState {
     /// Returns the valve openings of this sample.
     #[inline(always)]
-    fn opening_for(&mut self, config: &EcuConfig, seen: &Seen) -> Output {
+    fn opening_for(&mut self, config: &EcuConfig, observation: &Observation) -> Output {
         let mode = self.supervisor.mode();
-        let before = self.told.opening;
+        let before = self.command.opening;
         self.u = ControlSignal::ZERO;
         let was_controlled = self.is_controlled;
         self.is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
@@ -187,17 +189,17 @@ impl EcuState {
                 duty_vent: Duty::FULL,
             };
         }
-        let is_believed = seen.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
+        let is_believed = observation.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
         if !self.is_controlled || !is_believed {
             // Without a pressure it cannot take over; a controller that was active stays active.
             self.is_controlled &= was_controlled;
             return Output::OFF;
         }
-        let mut opening = self.controlled(config, seen.reference, !was_controlled);
+        let mut opening = self.controlled(config, observation.reference, !was_controlled);
         if mode != Mode::Running {
             opening.duty_fill = Duty::OFF;
         }
-        if !seen.reference_is_new && config.has(Mechanism::NoIncreaseWithoutReference) {
+        if !observation.reference_is_new && config.has(Mechanism::NoIncreaseWithoutReference) {
             opening.duty_fill = opening.duty_fill.min(before.duty_fill);
         }
         let drives_both = !opening.duty_fill.is_off() && !opening.duty_vent.is_off();
@@ -233,9 +235,11 @@ impl EcuState {
     /// Stores the duty cycles that were applied to the coils.
     #[inline(always)]
     fn remember(&mut self, config: &EcuConfig, outputs: Outputs) {
-        self.detectors.told(outputs);
-        self.told.opening = opening(outputs, config.vent_valve);
-        self.told.valves.told(&config.limits, self.told.opening);
+        self.detectors.command(outputs);
+        self.command.opening = opening(outputs, config.vent_valve);
+        self.command
+            .valves
+            .told(&config.limits, self.command.opening);
     }
 }
 

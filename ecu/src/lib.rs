@@ -51,4 +51,4 @@ pub use mechanism::Mechanism;
 pub use mode::Mode;
 pub use sensor::{PressureSensor, SensorCode};
 pub use settings::{EcuSettings, Supervision, VentValve};
-pub use supervisor::{ReleaseRefused, Way};
+pub use supervisor::{FaultReaction, ReleaseRefused};

@@ -1,19 +1,19 @@
 //! Supervisor: chooses the mode of a sample, and limits the reference accordingly.
 
+mod fault_reaction;
 mod transition;
-mod way;
 
 use controller::Pressure;
 
 use crate::config::EcuConfig;
 use crate::counted::counted;
-use crate::detector::Seen;
+use crate::detector::Observation;
 use crate::fault::{Fault, FaultSet};
 use crate::mechanism::Mechanism;
 use crate::mode::Mode;
 use crate::supervisor::transition::Situation;
 
-pub use way::Way;
+pub use fault_reaction::FaultReaction;
 
 /// Highest reference that counts as zero: 0.05 bar gauge, 2⁻¹⁶. It is less than any deadband in use.
 pub(crate) const ZERO_MAX: i32 = 3277;
@@ -94,22 +94,24 @@ impl Supervisor {
     pub(crate) fn sample(
         &mut self,
         config: &EcuConfig,
-        seen: &Seen,
+        observation: &Observation,
         pressure: Pressure,
         is_damaged: bool,
     ) {
         let damaged = FaultSet::when(is_damaged || !self.is_sound(), Fault::MemoryDamaged);
-        let faults = seen.faults.union(config.limits.mechanisms.seen(damaged));
-        self.count(seen, faults);
+        let faults = observation
+            .faults
+            .union(config.limits.mechanisms.seen(damaged));
+        self.count(observation, faults);
 
         let before = self.mode;
-        let way = Way::of(faults);
-        if way.is_some() && matches!(before, Mode::Waiting | Mode::Running) {
+        let reaction = FaultReaction::of(faults);
+        if reaction.is_some() && matches!(before, Mode::Waiting | Mode::Running) {
             self.occurrences = self.occurrences.saturating_add(1).min(RETRIES + 1);
         }
         let retries_left = self.occurrences <= RETRIES || !config.has(Mechanism::RetryLimit);
         let situation = Situation {
-            way,
+            reaction,
             recovered: self.clear_for >= RECOVERY_N && retries_left,
             at_zero: self.zero_for >= ZERO_N || !config.has(Mechanism::NeutralInterlock),
             is_over: self.is_over(config),
@@ -123,10 +125,10 @@ impl Supervisor {
             faults
         };
         if self.mode != before {
-            self.enter(config, before, seen.reference, pressure);
+            self.enter(config, before, observation.reference, pressure);
         }
-        self.settle_venting(way, before, situation.is_over);
-        self.lead(config, seen.reference);
+        self.settle_venting(reaction, before, situation.is_over);
+        self.lead(config, observation.reference);
         self.seal();
     }
 
@@ -190,13 +192,13 @@ impl Supervisor {
     }
 
     #[inline(always)]
-    fn count(&mut self, seen: &Seen, faults: FaultSet) {
+    fn count(&mut self, observation: &Observation, faults: FaultSet) {
         self.remaining = self.remaining.saturating_sub(1);
         self.clear_for = counted(self.clear_for, faults.is_empty());
         if faults.contains(Fault::ReferenceLost) {
             self.zero_for = 0;
-        } else if seen.reference_is_new {
-            self.zero_for = counted(self.zero_for, seen.reference.to_bits() <= ZERO_MAX);
+        } else if observation.reference_is_new {
+            self.zero_for = counted(self.zero_for, observation.reference.to_bits() <= ZERO_MAX);
         }
         self.healthy_for = if self.mode == Mode::Running {
             self.healthy_for.saturating_add(1)
@@ -248,8 +250,8 @@ impl Supervisor {
     /// Chooses between pulses and full venting: full once a fault requires it, and after a ramp, when little pressure
     /// is left.
     #[inline(always)]
-    fn settle_venting(&mut self, way: Option<Way>, before: Mode, is_over: bool) {
-        let is_asked = way == Some(Way::Vent) || before == Mode::Ramping && is_over;
+    fn settle_venting(&mut self, reaction: Option<FaultReaction>, before: Mode, is_over: bool) {
+        let is_asked = reaction == Some(FaultReaction::Vent) || before == Mode::Ramping && is_over;
         let vents_fully = self.mode == Mode::Venting && (self.vents_fully || is_asked);
         if vents_fully && !self.vents_fully {
             self.remaining = VENT_N;

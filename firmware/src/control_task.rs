@@ -15,7 +15,7 @@ use crate::event::Event;
 use crate::measurement::Measurement;
 use crate::pace::Pace;
 use crate::punctuality::{FIRST_SIGNAL, LAST_SIGNAL, PERIOD_US, Punctuality};
-use crate::retained::Farewell;
+use crate::retained::ResetReason;
 
 /// Duration at the end of each period (µs) in which no request is begun, so that none is in progress at the tick. The
 /// longest request applies settings: 20 500 instructions, 0.8 ms on the slowest board.
@@ -256,7 +256,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTa
                 Reply::Log { bytes, lost }
             }
             Request::Reset => {
-                self.board.retained().say(Farewell::Requested);
+                self.board.retained().say(ResetReason::Requested);
                 self.ends = true;
                 Reply::Done
             }

@@ -4,7 +4,7 @@ use ecu::{FaultSet, Mode, ResetCause};
 use hil_protocol::SettingsSource;
 
 use crate::pace::Pace;
-use crate::retained::Farewell;
+use crate::retained::ResetReason;
 
 /// Line of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub enum Event {
         /// Cause of the start.
         cause: ResetCause,
         /// Reason that the image stored before the reset.
-        farewell: Option<Farewell>,
+        reset_reason: Option<ResetReason>,
     },
     /// The settings were chosen.
     Settings {

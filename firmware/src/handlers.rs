@@ -4,23 +4,23 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
-use firmware::Farewell;
+use firmware::ResetReason;
 
 use crate::boards::board;
-use crate::kept;
+use crate::retained_ram;
 
 /// Ends the run: switches the coils off, stores the reason for the next start, and resets. Every end of a run calls
 /// this function.
-pub(crate) fn end(farewell: Farewell) -> ! {
+pub(crate) fn end(reset_reason: ResetReason) -> ! {
     board::coils_off();
-    kept::retained().say(farewell);
+    retained_ram::retained().say(reset_reason);
     SCB::sys_reset()
 }
 
 #[cfg(not(feature = "prove-panic-free"))]
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    end(Farewell::Panic {
+    end(ResetReason::Panic {
         line: info.location().map_or(0, |location| location.line()),
     })
 }
@@ -48,5 +48,5 @@ pub(crate) fn sing() {
 // outputs, the retained words and the reset.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    end(Farewell::Exception { pc: frame.pc() })
+    end(ResetReason::Exception { pc: frame.pc() })
 }

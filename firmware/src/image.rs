@@ -44,8 +44,8 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
     pub fn start(mut board: B, flash: F, memory: M) -> Self {
         board.coils_off();
         let start = board.retained().start();
-        let cause = match (start.farewell, board.reset_cause()) {
-            (Some(farewell), _) => farewell.cause(),
+        let cause = match (start.reset_reason, board.reset_cause()) {
+            (Some(reset_reason), _) => reset_reason.cause(),
             // Only a loss of supply destroys the words.
             (None, ResetCause::Unknown) if !start.warm => ResetCause::PowerOn,
             (None, told) => told,
@@ -53,7 +53,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         board.log(Event::Started {
             boot: start.boot,
             cause,
-            farewell: start.farewell,
+            reset_reason: start.reset_reason,
         });
         let identity = ImageIdentity {
             board: name(B::NAME),
@@ -83,7 +83,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         let is_quiet_time = self.task.is_quiet_time();
         self.task.board.background();
         if let Some(reply) = self.task.turn()
-            && let Some(frame) = self.session.unasked(&reply, &mut self.buffer)
+            && let Some(frame) = self.session.unsolicited(&reply, &mut self.buffer)
         {
             self.task.board.send(frame);
         }

@@ -22,5 +22,5 @@ pub use image::{BLACK_BOX_WORDS, Image, Life};
 pub use log_ring::LogRing;
 pub use pace::Pace;
 pub use punctuality::{FIRST_SIGNAL, SIGNALS};
-pub use retained::{Farewell, Retained, Start, WORDS as RETAINED_WORDS};
+pub use retained::{ResetReason, Retained, Start, WORDS as RETAINED_WORDS};
 pub use rzcobs::Rzcobs;

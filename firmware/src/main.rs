@@ -14,9 +14,9 @@ mod build_number;
 #[cfg(target_os = "none")]
 mod handlers;
 #[cfg(target_os = "none")]
-mod kept;
-#[cfg(target_os = "none")]
 mod log;
+#[cfg(target_os = "none")]
+mod retained_ram;
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
 mod stack;
 

@@ -8,7 +8,7 @@ use hil_protocol::crc32::values_digest;
 /// Reason for which the image reset the machine, stored before the reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum Farewell {
+pub enum ResetReason {
     /// Request of a host.
     Requested,
     /// Watchdog that was about to reset the machine.
@@ -42,7 +42,7 @@ pub struct Start {
     /// Whether the words were valid: the machine was reset, its supply did not fail.
     pub warm: bool,
     /// Reason of the last reset, if the image stored one.
-    pub farewell: Option<Farewell>,
+    pub reset_reason: Option<ResetReason>,
 }
 
 const BOOT: usize = 0;
@@ -75,36 +75,36 @@ impl<'a> Retained<'a> {
         } else {
             0
         };
-        let farewell = if warm { self.farewell() } else { None };
+        let reset_reason = if warm { self.reset_reason() } else { None };
         self.write(boot, NO_REASON, 0);
         Start {
             boot,
             warm,
-            farewell,
+            reset_reason,
         }
     }
 
     /// Stores the reason for the coming reset. It never waits and cannot fail; only the first reason counts.
-    pub fn say(&self, farewell: Farewell) {
+    pub fn say(&self, reset_reason: ResetReason) {
         if self.word(REASON) != NO_REASON {
             return;
         }
-        let (reason, detail) = match farewell {
-            Farewell::Requested => (REQUESTED, 0),
-            Farewell::Watchdog => (WATCHDOG, 0),
-            Farewell::Panic { line } => (PANIC, line),
-            Farewell::Exception { pc } => (EXCEPTION, pc),
+        let (reason, detail) = match reset_reason {
+            ResetReason::Requested => (REQUESTED, 0),
+            ResetReason::Watchdog => (WATCHDOG, 0),
+            ResetReason::Panic { line } => (PANIC, line),
+            ResetReason::Exception { pc } => (EXCEPTION, pc),
         };
         self.write(self.word(BOOT), reason, detail);
     }
 
-    fn farewell(&self) -> Option<Farewell> {
+    fn reset_reason(&self) -> Option<ResetReason> {
         let detail = self.word(DETAIL);
         match self.word(REASON) {
-            REQUESTED => Some(Farewell::Requested),
-            WATCHDOG => Some(Farewell::Watchdog),
-            PANIC => Some(Farewell::Panic { line: detail }),
-            EXCEPTION => Some(Farewell::Exception { pc: detail }),
+            REQUESTED => Some(ResetReason::Requested),
+            WATCHDOG => Some(ResetReason::Watchdog),
+            PANIC => Some(ResetReason::Panic { line: detail }),
+            EXCEPTION => Some(ResetReason::Exception { pc: detail }),
             _ => None,
         }
     }
@@ -128,7 +128,7 @@ impl<'a> Retained<'a> {
     }
 }
 
-impl Farewell {
+impl ResetReason {
     /// Returns the cause of the reset for the link.
     pub const fn cause(self) -> ResetCause {
         match self {
@@ -156,7 +156,7 @@ mod tests {
             let expected = Start {
                 boot: 0,
                 warm: false,
-                farewell: None,
+                reset_reason: None,
             };
             assert_eq!(start, expected, "{bits:x?}");
         }
@@ -171,18 +171,18 @@ mod tests {
 
     #[test]
     fn a_farewell_is_found_once_by_the_next_life() {
-        for farewell in [
-            Farewell::Requested,
-            Farewell::Watchdog,
-            Farewell::Panic { line: 4711 },
-            Farewell::Exception { pc: 0x0000_1234 },
+        for reset_reason in [
+            ResetReason::Requested,
+            ResetReason::Watchdog,
+            ResetReason::Panic { line: 4711 },
+            ResetReason::Exception { pc: 0x0000_1234 },
         ] {
             let words = words([0; WORDS]);
             let retained = Retained::new(&words);
             retained.start();
-            retained.say(farewell);
-            assert_eq!(retained.start().farewell, Some(farewell));
-            assert_eq!(retained.start().farewell, None);
+            retained.say(reset_reason);
+            assert_eq!(retained.start().reset_reason, Some(reset_reason));
+            assert_eq!(retained.start().reset_reason, None);
         }
     }
 
@@ -192,9 +192,12 @@ mod tests {
         let words = words([0; WORDS]);
         let retained = Retained::new(&words);
         retained.start();
-        retained.say(Farewell::Panic { line: 7 });
-        retained.say(Farewell::Exception { pc: 8 });
-        assert_eq!(retained.start().farewell, Some(Farewell::Panic { line: 7 }));
+        retained.say(ResetReason::Panic { line: 7 });
+        retained.say(ResetReason::Exception { pc: 8 });
+        assert_eq!(
+            retained.start().reset_reason,
+            Some(ResetReason::Panic { line: 7 })
+        );
     }
 
     #[test]
@@ -204,7 +207,7 @@ mod tests {
                 let words = words([0; WORDS]);
                 let retained = Retained::new(&words);
                 retained.start();
-                retained.say(Farewell::Watchdog);
+                retained.say(ResetReason::Watchdog);
                 words[word].fetch_xor(1 << bit, Ordering::Relaxed);
                 assert!(!retained.start().warm, "word {word}, bit {bit}");
             }

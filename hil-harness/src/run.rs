@@ -5,12 +5,12 @@ use core::ops::ControlFlow;
 use recording::Recording;
 
 use crate::checks::{JudgeError, Verdict, judge};
-use crate::course::{Course, NotRecorded};
 use crate::device::{DeviceUnderTest, DutError};
 use crate::difference::Difference;
 use crate::ecu_under_test::InProcess;
 use crate::requirement::Requirement;
 use crate::scenario::{Scenario, ScenarioError};
+use crate::trace::{NotRecorded, Trace};
 use crate::wire::Exchange;
 use crate::world::World;
 
@@ -125,7 +125,7 @@ pub fn run_watched(
     };
     device.start(&scenario.ecu_settings()).map_err(failed)?;
     let mut world = World::new(scenario);
-    let mut course = Course::for_samples(scenario.duration_samples);
+    let mut trace = Trace::for_samples(scenario.duration_samples);
     let lead_in = scenario.lead_in().samples();
     let samples = lead_in + scenario.duration_samples;
     let mut exchanges = Vec::with_capacity(samples as usize);
@@ -135,7 +135,7 @@ pub fn run_watched(
         let answer = device.exchange(&sensors).map_err(failed)?;
         let exchange = Exchange { sensors, answer };
         if sample >= lead_in {
-            course.add(&world, &exchange);
+            trace.add(&world, &exchange);
         }
         exchanges.push(exchange);
         let logged = log.len();
@@ -154,7 +154,7 @@ pub fn run_watched(
         world.actuate(answer.actuators);
     }
     Ok(Run {
-        recording: course.into_recording(scenario, &identity)?,
+        recording: trace.into_recording(scenario, &identity)?,
         exchanges,
         device: identity,
         log,

@@ -42,9 +42,14 @@ fn frames_that_are_lost_damaged_repeated_or_late_change_no_bit_and_are_counted()
     );
 
     let link = device.link_mut();
-    for way in link.transport().disturbances() {
-        let counts = [way.lost, way.damaged, way.repeated, way.late];
-        assert!(counts.iter().all(|count| *count >= 5), "{way:?}");
+    for direction in link.transport().disturbances() {
+        let counts = [
+            direction.lost,
+            direction.damaged,
+            direction.repeated,
+            direction.late,
+        ];
+        assert!(counts.iter().all(|count| *count >= 5), "{direction:?}");
     }
     let Reply::Counters(at_device) = link.ask(&Request::Counters).unwrap() else {
         panic!("counters");

@@ -17,7 +17,7 @@ fn rise_bar(scenario: &Scenario, from_bar: f64, samples: u32, to_bar: f64) -> f6
         ..scenario.clone()
     };
     let run = run_in_process(&jump).expect("a scenario within bounds");
-    let courses = run.exchanges[run.exchanges.len() - 30..]
+    let traces = run.exchanges[run.exchanges.len() - 30..]
         .iter()
         .map(|exchange| {
             let pressure_bar = exchange.sensors.pressure.map_or(f64::NAN, measured_bar);
@@ -25,7 +25,7 @@ fn rise_bar(scenario: &Scenario, from_bar: f64, samples: u32, to_bar: f64) -> f6
             (pressure_bar, reference_bar)
         });
     let mut lowest_bar = f64::INFINITY;
-    courses
+    traces
         .take_while(|(pressure_bar, reference_bar)| pressure_bar - reference_bar > 0.1)
         .map(|(pressure_bar, _)| {
             lowest_bar = lowest_bar.min(pressure_bar);

@@ -34,9 +34,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 free.fit_pct.unwrap_or(f64::NAN),
                 signal.noise_floor.statement
             );
-            if let Some(short) = &signal.short_horizon {
+            if let Some(short) = &signal.one_step_ahead {
                 println!(
-                    "    short horizon {:.2e} rms, perfect {:.2e}",
+                    "    one step ahead {:.2e} rms, perfect {:.2e}",
                     short.rms,
                     short.expected_rms.unwrap_or(0.0)
                 );
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 for regime in &signal.regimes {
                     println!("    {}", regime.title);
                     for bin in &regime.bins {
-                        let error = bin.short_horizon.as_ref().unwrap_or(&bin.free_run);
+                        let error = bin.one_step_ahead.as_ref().unwrap_or(&bin.free_run);
                         println!(
                             "      {:<24} {:5.1} % of samples, excess {:6.1} % (free {:6.1} %), bias {:+.2e}, rms {:.2e}",
                             bin.label,

@@ -127,23 +127,23 @@ impl Commands {
     /// Returns the intervals of samples in which both valves are shut, from `settle_s` after the last command acted.
     pub(crate) fn holds(&self, settle_s: f64) -> Vec<Range<usize>> {
         let acts = |row: usize| self.opens(FILL, row) || self.opens(VENT, row);
-        self.stretches_without(acts, settle_s)
+        self.segments_without(acts, settle_s)
     }
 
     /// Returns the intervals of samples in which the coil of `valve` carries no current, from `settle_s` after its last command acted.
     pub(crate) fn dead_coil(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
-        self.stretches_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)
+        self.segments_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)
     }
 
-    fn stretches_without(&self, acts: impl Fn(usize) -> bool, settle_s: f64) -> Vec<Range<usize>> {
+    fn segments_without(&self, acts: impl Fn(usize) -> bool, settle_s: f64) -> Vec<Range<usize>> {
         let (earliest_s, delay_s) = self.delay_range_s;
         let latest_s = delay_s + self.pwm_period_s + settle_s;
-        let mut stretches = Vec::new();
+        let mut segments = Vec::new();
         let mut begin = 0;
         let mut close = |from: usize, until_s: f64| {
             let end = self.times_s.partition_point(|&time_s| time_s <= until_s);
             if end > from {
-                stretches.extend(self.gaps.between(from..end));
+                segments.extend(self.gaps.between(from..end));
             }
         };
         for row in (0..self.len()).filter(|&row| acts(row)) {
@@ -155,7 +155,7 @@ impl Commands {
             );
         }
         close(begin, f64::INFINITY);
-        stretches
+        segments
     }
 
     /// Returns the row of the command in force at `time_s`; none before the first one acts.

@@ -12,7 +12,7 @@ use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
 use crate::noise_floor::Floor;
-use crate::offset::{FineCourse, time_offset};
+use crate::offset::{FineTrace, time_offset};
 use crate::options::CompareOptions;
 use crate::regime::{Excess, Features, States, Watched, error_map, find, placement, shares};
 use crate::result::{
@@ -70,7 +70,7 @@ pub fn compare_under(
     };
     let mut watched = Watched::new(parameters, commands.len(), memory);
     let measured_bar = pressure.map(|signal| &signal.values[..]);
-    let short_horizon = setup.predict(measured_bar, gain, |now| watched.push(now))?;
+    let one_step_ahead = setup.predict(measured_bar, gain, |now| watched.push(now))?;
     let states = watched.finish(&commands.times_s);
     let fine_run = setup.fine_run(OFFSET_ROWS)?;
     let predictor = pressure.map(|_| Predictor {
@@ -97,7 +97,7 @@ pub fn compare_under(
     for signal in &measured {
         let free = free_run.get(signal.name).unwrap_or_default();
         let free = Residual::new(&signal.values, free);
-        let short = short_horizon.get(signal.name);
+        let short = one_step_ahead.get(signal.name);
         let short = short.map(|short| Residual::new(&signal.values, short));
         let short = short.filter(|_| predictor.is_some());
         let (mut compared, placed) = lab.compare_signal(signal, free, short);
@@ -125,8 +125,8 @@ pub fn compare_under(
             (log, &setup),
             &commands,
         )?,
-        short_horizon: match &predictor {
-            Some(_) => short_horizon
+        one_step_ahead: match &predictor {
+            Some(_) => one_step_ahead
                 .into_recording(format!("short-horizon prediction of {source}"), setup.base)?,
             None => Recording::default(),
         },
@@ -236,7 +236,7 @@ impl Lab<'_> {
         let free_excess = Excess::new(free, sigma, freedom);
         let short_excess = short.map(|short| Excess::new(short, short_sigma, freedom));
         let (horizon, local) = match &short_excess {
-            Some(short) => (Horizon::ShortHorizon, short),
+            Some(short) => (Horizon::OneStepAhead, short),
             None => (Horizon::FreeRun, &free_excess),
         };
         let features = Features::new(self.states, self.commands, signal.coil());
@@ -278,7 +278,7 @@ impl Lab<'_> {
             compared: compared_samples,
             missing: free.len() - compared_samples,
             noise_floor: signal.floor.summary.clone(),
-            short_horizon: short.map(|short| summary(short, short_sigma, Horizon::ShortHorizon)),
+            one_step_ahead: short.map(|short| summary(short, short_sigma, Horizon::OneStepAhead)),
             time_offset: self.time_offset(signal),
             limit,
             limit_from,
@@ -314,12 +314,12 @@ impl Lab<'_> {
         let fine = self.fine_run.columns.get(signal.name)?;
         let fine_times_s = &self.fine_run.times_s;
         let is_mean = matches!(self.setup.sampling, CurrentSampling::MeanOfInterval);
-        let course = if is_mean && signal.error_unit == Unit::Milliampere {
-            FineCourse::of_means(fine_times_s, fine)
+        let trace = if is_mean && signal.error_unit == Unit::Milliampere {
+            FineTrace::of_means(fine_times_s, fine)
         } else {
-            FineCourse::of_instants(fine_times_s, fine)
+            FineTrace::of_instants(fine_times_s, fine)
         };
-        time_offset(times_s, &signal.values[rows], &course, signal.name)
+        time_offset(times_s, &signal.values[rows], &trace, signal.name)
     }
 }
 

@@ -88,7 +88,7 @@ mod tests {
             assert_eq!(error.rms, Some(expected.free_run.rms));
             assert_eq!(error.noise_floor, expected.noise_floor.value);
         }
-        let courses = |model: &Recording| model.signal("p_ch").unwrap().values_or_nan().to_vec();
-        assert_eq!(courses(&found.model), courses(&compared.traces.free_run));
+        let traces = |model: &Recording| model.signal("p_ch").unwrap().values_or_nan().to_vec();
+        assert_eq!(traces(&found.model), traces(&compared.traces.free_run));
     }
 }

@@ -158,20 +158,20 @@ impl Gaps {
     }
 
     /// Returns the parts of an interval of rows that lie between gaps.
-    pub(crate) fn between(&self, stretch: Range<usize>) -> Vec<Range<usize>> {
+    pub(crate) fn between(&self, segment: Range<usize>) -> Vec<Range<usize>> {
         let mut parts = Vec::new();
-        let mut begin = stretch.start;
+        let mut begin = segment.start;
         let before = self.list.partition_point(|gap| gap.rows.end <= begin);
         let gaps = self.list[before..].iter();
-        for gap in gaps.take_while(|gap| gap.rows.start < stretch.end) {
-            let end = gap.rows.start.min(stretch.end);
+        for gap in gaps.take_while(|gap| gap.rows.start < segment.end) {
+            let end = gap.rows.start.min(segment.end);
             if begin < end {
                 parts.push(begin..end);
             }
             begin = begin.max(gap.rows.end);
         }
-        if begin < stretch.end {
-            parts.push(begin..stretch.end);
+        if begin < segment.end {
+            parts.push(begin..segment.end);
         }
         parts
     }

@@ -136,7 +136,7 @@ impl LogStart {
     /// of the wall. None if the simulation was aborted.
     pub(crate) fn row(&self, replay: &mut Replay, input: ReplayInput, warmth: f64) -> Option<Row> {
         let mut row = replay.row(input);
-        if replay.simulator().is_given_up() {
+        if replay.simulator().is_aborted() {
             return None;
         }
         if warmth != 1.0 {

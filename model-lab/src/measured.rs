@@ -45,7 +45,7 @@ const REST_SIGMAS: f64 = 5.0;
 const START_S: f64 = 1.0;
 /// Scatter about a line, in noise standard deviations, above which values count as curved; fewer than twice `FEWEST_OF_LINE` values are not
 /// tested.
-const BENT_SIGMAS: f64 = 1.5;
+const CURVED_SIGMAS: f64 = 1.5;
 const FEWEST_OF_LINE: usize = 4;
 
 /// Signal of the log in the unit of the model.
@@ -256,7 +256,7 @@ fn level_above_vacuum(still: (&[f64], &[f64]), sigma: f64, ambient: f64) -> Opti
 fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
     let line = Line::through((times_s, values))?;
     let half = values.len() / 2;
-    if sigma > 0.0 && half >= FEWEST_OF_LINE && line.scatter > BENT_SIGMAS * sigma {
+    if sigma > 0.0 && half >= FEWEST_OF_LINE && line.scatter > CURVED_SIGMAS * sigma {
         return first_level((&times_s[..half], &values[..half]), sigma);
     }
     let drifts = sigma > 0.0 && line.slope.abs() * line.spread_s > REST_SIGMAS * sigma;

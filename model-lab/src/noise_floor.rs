@@ -63,7 +63,7 @@ impl Quiet {
         }
     }
 
-    fn stretches(self, commands: &Commands) -> Vec<Range<usize>> {
+    fn segments(self, commands: &Commands) -> Vec<Range<usize>> {
         match self {
             Self::Hold => {
                 let length_s = |hold: &Range<usize>| {
@@ -87,7 +87,7 @@ impl Quiet {
 
 /// Returns the noise floor of `values`, sampled at the instants of `commands`.
 pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &Commands) -> Floor {
-    let pieces: Vec<Piece> = pieces(&quiet.stretches(commands), &commands.times_s)
+    let pieces: Vec<Piece> = pieces(&quiet.segments(commands), &commands.times_s)
         .into_iter()
         .filter_map(|rows| Piece::of(&commands.times_s[rows.clone()], &values[rows]))
         .collect();
@@ -146,13 +146,13 @@ fn significant(value: f64) -> String {
 }
 
 /// Cuts intervals into pieces of equal length.
-fn pieces(stretches: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
+fn pieces(segments: &[Range<usize>], times_s: &[f64]) -> Vec<Range<usize>> {
     let mut pieces = Vec::new();
-    for stretch in stretches {
-        let duration_s = times_s[stretch.end - 1] - times_s[stretch.start];
+    for segment in segments {
+        let duration_s = times_s[segment.end - 1] - times_s[segment.start];
         let by_time = (duration_s / LONGEST_PIECE_S).ceil().max(1.0) as usize;
-        let count = by_time.min(stretch.len() / FEWEST_SAMPLES).max(1);
-        let cut = |part: usize| stretch.start + part * stretch.len() / count;
+        let count = by_time.min(segment.len() / FEWEST_SAMPLES).max(1);
+        let cut = |part: usize| segment.start + part * segment.len() / count;
         pieces.extend((0..count).map(|part| cut(part)..cut(part + 1)));
     }
     pieces
@@ -286,10 +286,10 @@ mod tests {
         noise_floor(values, "bar", Quiet::Hold, &shut_for(values.len(), 0.01))
     }
 
-    fn noisy(seed: u64, sigma: f64, step: f64, course: impl Fn(f64) -> f64) -> Vec<f64> {
+    fn noisy(seed: u64, sigma: f64, step: f64, trace: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut noise = Noise::new(seed);
         (0..3000)
-            .map(|row| quantise(course(row as f64 * 0.01) + sigma * noise.normal(), step))
+            .map(|row| quantise(trace(row as f64 * 0.01) + sigma * noise.normal(), step))
             .collect()
     }
 

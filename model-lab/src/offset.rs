@@ -23,7 +23,7 @@ const CLEAR: f64 = 0.2;
 const LEAST_CORRELATION: f64 = 0.5;
 
 /// Model between the samples of the log.
-pub(crate) enum FineCourse<'a> {
+pub(crate) enum FineTrace<'a> {
     /// Instantaneous values.
     Instants {
         /// Instants (s).
@@ -40,7 +40,7 @@ pub(crate) enum FineCourse<'a> {
     },
 }
 
-impl<'a> FineCourse<'a> {
+impl<'a> FineTrace<'a> {
     pub(crate) fn of_instants(times_s: &'a [f64], values: &'a [f64]) -> Self {
         Self::Instants { times_s, values }
     }
@@ -99,7 +99,7 @@ fn interpolate(times_s: &[f64], values: &[f64], sample_s: &[f64], lag_s: f64) ->
 pub(crate) fn time_offset(
     times_s: &[f64],
     measured: &[f64],
-    model: &FineCourse,
+    model: &FineTrace,
     name: &str,
 ) -> Option<TimeOffset> {
     let interval_s = (times_s.last()? - times_s[0]) / (times_s.len() - 1).max(1) as f64;
@@ -188,19 +188,19 @@ mod tests {
 
     /// Returns the lag found for a trace with ramps, delayed by `lag_s`, with noise and a gain error.
     fn found_lag_ms(lag_s: f64, gain: f64, drift: f64) -> f64 {
-        let course = |t: f64| (2.0 * t).sin() + 0.3 * (17.0 * t).sin();
+        let trace = |t: f64| (2.0 * t).sin() + 0.3 * (17.0 * t).sin();
         let mut noise = Noise::new(7);
         let fine: Vec<f64> = (0..20_000).map(|n| f64::from(n) * 1e-3).collect();
-        let values: Vec<f64> = fine.iter().map(|&t| course(t)).collect();
+        let values: Vec<f64> = fine.iter().map(|&t| trace(t)).collect();
         let times_s: Vec<f64> = (0..2000).map(|n| f64::from(n) * 0.01).collect();
         let measured: Vec<f64> = times_s
             .iter()
-            .map(|t| gain * course(t - lag_s) + drift * t + 4e-3 * noise.normal())
+            .map(|t| gain * trace(t - lag_s) + drift * t + 4e-3 * noise.normal())
             .collect();
         time_offset(
             &times_s,
             &measured,
-            &FineCourse::of_instants(&fine, &values),
+            &FineTrace::of_instants(&fine, &values),
             "p_ch",
         )
         .unwrap()
@@ -229,7 +229,7 @@ mod tests {
         let found = time_offset(
             &times_s,
             &measured,
-            &FineCourse::of_instants(&times_s, &model),
+            &FineTrace::of_instants(&times_s, &model),
             "p_ch",
         );
         assert!(found.is_none_or(|found| found.at_search_limit));
@@ -247,21 +247,21 @@ mod tests {
     fn a_signal_that_does_not_follow_the_model_has_no_lag() {
         let times_s: Vec<f64> = (0..500).map(|n| f64::from(n) * 0.01).collect();
         let model: Vec<f64> = times_s.iter().map(|t| t.sin()).collect();
-        let course = FineCourse::of_instants(&times_s, &model);
-        assert_eq!(time_offset(&times_s, &[1.0; 500], &course, "p_ch"), None);
+        let trace = FineTrace::of_instants(&times_s, &model);
+        assert_eq!(time_offset(&times_s, &[1.0; 500], &trace, "p_ch"), None);
         let mut noise = Noise::new(1);
         let noise: Vec<f64> = (0..500).map(|_| noise.normal()).collect();
-        assert_eq!(time_offset(&times_s, &noise, &course, "p_ch"), None);
+        assert_eq!(time_offset(&times_s, &noise, &trace, "p_ch"), None);
     }
 
     #[test]
     fn means_are_shifted_as_integrals() {
         let times_s = [0.0, 0.5, 1.0, 1.5, 2.0];
-        let course = FineCourse::of_means(&times_s, &[f64::NAN, 1.0, 3.0, 5.0, 7.0]);
-        let sampled = course.sample(&[0.0, 1.0, 2.0], 0.0);
+        let trace = FineTrace::of_means(&times_s, &[f64::NAN, 1.0, 3.0, 5.0, 7.0]);
+        let sampled = trace.sample(&[0.0, 1.0, 2.0], 0.0);
         assert!(sampled[0].is_nan());
         assert_eq!(sampled[1..], [2.0, 6.0]);
-        let late = course.sample(&[0.0, 1.0, 2.0], 0.5);
+        let late = trace.sample(&[0.0, 1.0, 2.0], 0.5);
         assert_eq!(late[2], 4.0);
     }
 }

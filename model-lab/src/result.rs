@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::bins::Bins;
 
 /// Name and version of the JSON format.
-pub const COMPARISON_SCHEMA: &str = "retarder.comparison/1";
+pub const COMPARISON_SCHEMA: &str = "retarder.comparison/2";
 
 /// Sign convention of every residual, bias and worst error.
 pub const RESIDUAL_SIGN: &str = "residual = measured - modelled";
@@ -17,7 +17,7 @@ pub const RESIDUAL_SIGN: &str = "residual = measured - modelled";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Comparison {
-    /// Name and version of this format, `retarder.comparison/1`.
+    /// Name and version of this format, `retarder.comparison/2`.
     pub schema: String,
     /// Source of the log.
     pub log: String,
@@ -76,7 +76,7 @@ pub struct Traces {
     /// Free-run simulation: the model driven by the commands alone.
     pub free_run: Recording,
     /// One-step-ahead prediction: the model corrected by the measured pressure; empty where none was logged.
-    pub short_horizon: Recording,
+    pub one_step_ahead: Recording,
     /// Bin of each instant, for each compared signal and each dimension.
     pub placements: Vec<Placement>,
 }
@@ -89,8 +89,8 @@ impl Traces {
 
     /// Returns measured minus one-step-ahead prediction of the signal `name`: the innovations. None where it is not compared, or where no
     /// pressure was logged.
-    pub fn short_horizon_residual(&self, name: &str) -> Option<Residual<'_>> {
-        self.residual(&self.short_horizon, name)
+    pub fn one_step_ahead_residual(&self, name: &str) -> Option<Residual<'_>> {
+        self.residual(&self.one_step_ahead, name)
     }
 
     fn residual<'a>(&'a self, run: &'a Recording, name: &str) -> Option<Residual<'a>> {
@@ -426,7 +426,7 @@ pub struct SignalComparison {
     /// Error of the free-run simulation, driven by the commands alone.
     pub free_run: ErrorSummary,
     /// Error of the one-step-ahead prediction; null where no pressure was logged.
-    pub short_horizon: Option<ErrorSummary>,
+    pub one_step_ahead: Option<ErrorSummary>,
     /// Lag of the measurement behind the model; null where nothing changes. A hint only.
     pub time_offset: Option<TimeOffset>,
     /// Largest free-run rms that is within tolerance; null where neither noise floor nor tolerance is known.
@@ -566,7 +566,7 @@ pub struct RegimeBin {
     /// Their share of all compared samples, 0 to 1.
     pub sample_share: f64,
     /// Error of the one-step-ahead prediction: local, carries no history into other regimes.
-    pub short_horizon: Option<BinError>,
+    pub one_step_ahead: Option<BinError>,
     /// Error of the free-run simulation: carries history.
     pub free_run: BinError,
 }
@@ -619,7 +619,7 @@ pub enum Horizon {
     /// Free-run simulation, from the commands alone.
     FreeRun,
     /// One-step-ahead prediction, corrected by the measured pressure.
-    ShortHorizon,
+    OneStepAhead,
 }
 
 /// Location of most of the excess.

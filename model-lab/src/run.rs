@@ -185,7 +185,7 @@ impl<'a> Setup<'a> {
     fn row(&self, row: &TimedRow, replay: &mut Replay) -> Result<Row, CompareError> {
         let warmth = self.warmth(row, replay);
         let values = self.start.row(replay, row.input, warmth);
-        values.ok_or_else(|| ReplayError::given_up(row.shortened_ns).into())
+        values.ok_or_else(|| ReplayError::aborted(row.shortened_ns).into())
     }
 
     /// Runs the free-run simulation: the model driven by the commands alone.
@@ -279,7 +279,7 @@ impl<'a> Setup<'a> {
                     supply_pressure: None,
                 };
                 let values = self.start.row(&mut replay, on_the_way, warmth);
-                let values = values.ok_or_else(|| ReplayError::given_up(row.shortened_ns))?;
+                let values = values.ok_or_else(|| ReplayError::aborted(row.shortened_ns))?;
                 fine.columns.push(values);
                 fine.times_s.push((time_ns as i64 + later_ns) as f64 * 1e-9);
             }

@@ -27,7 +27,7 @@ pub(crate) fn summary(
         autocorrelation_time_samples: whiteness.autocorrelation_time_samples(),
         whiteness: match horizon {
             Horizon::FreeRun => whiteness.ljung_box(),
-            Horizon::ShortHorizon => None,
+            Horizon::OneStepAhead => None,
         },
         input_correlation: whiteness.input_correlations(inputs),
     }

@@ -204,11 +204,11 @@ fn steps_are_counted_by_rows_and_not_by_values() {
             work < 100_000 + MOST_PER_ROW * ROWS as u64,
             "{supply} V, {step_s} s: {work}"
         );
-        let is_given_up = matches!(
+        let is_aborted = matches!(
             replayed,
-            Err(plant_sim::replay::ReplayError::GivenUp { .. })
+            Err(plant_sim::replay::ReplayError::Aborted { .. })
         );
-        assert!(replayed.is_ok() || is_given_up, "{supply} V, {step_s} s");
+        assert!(replayed.is_ok() || is_aborted, "{supply} V, {step_s} s");
         assert_eq!(
             compared(&log).is_ok(),
             replayed.is_ok(),
@@ -216,7 +216,7 @@ fn steps_are_counted_by_rows_and_not_by_values() {
         );
         // Any allowed supply leaves a plant that can be simulated.
         assert!(
-            is_given_up == (step_s == 3600.0),
+            is_aborted == (step_s == 3600.0),
             "{supply} V, {step_s} s: {work} steps"
         );
     }

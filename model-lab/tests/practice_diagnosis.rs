@@ -65,7 +65,7 @@ fn assert_found(diagnosis: &Diagnosis, effects: &[&str]) {
         let fitted: Vec<&str> = candidate.parameters.iter().map(|one| &*one.key).collect();
         assert!(fitted.is_empty() || fitted == keys, "{candidate:?}");
     }
-    let last = diagnosis.ladder.last().unwrap();
+    let last = diagnosis.error_steps.last().unwrap();
     for (signal, rms) in &last.check_rms {
         let ratio = rms / last.noise_floor[signal];
         assert!(ratio < 1.1, "{signal}: {ratio:.2} noise floors remain");

@@ -78,7 +78,7 @@ fn a_shut_valve_pair_leaves_no_excess_on_the_rig_without_leak() {
         .iter()
         .find(|bin| bin.label == "both valves shut")
         .unwrap();
-    let share = shut.short_horizon.as_ref().unwrap().excess_share.unwrap();
+    let share = shut.one_step_ahead.as_ref().unwrap().excess_share.unwrap();
     assert!(share.abs() < 0.01 && shut.sample_share > 0.3, "{shut:?}");
 }
 

@@ -144,10 +144,10 @@ fn every_model_answers_at_every_instant_with_values_within_their_ranges() {
         let samples = rig.log().time_bases().next().unwrap().1.len();
         for outcome in rig.outcomes() {
             let (title, model) = (rig.title, outcome.model);
-            for course in &outcome.courses {
-                assert_eq!(course.len(), samples, "{title}: {model}");
+            for trace in &outcome.traces {
+                assert_eq!(trace.len(), samples, "{title}: {model}");
                 assert!(
-                    course.iter().all(|value| value.is_finite()),
+                    trace.iter().all(|value| value.is_finite()),
                     "{title}: {model}"
                 );
             }

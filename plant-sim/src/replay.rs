@@ -93,7 +93,7 @@ const WORK_PER_PERIOD: u64 = 400;
 const PERIODS_OF_ROW_MAX: u64 = 100;
 
 /// Replay of a log row by row in constant memory. The number of rows limits the number of steps: beyond it the
-/// [simulation is aborted](Simulator::is_given_up), and rows are NaN.
+/// [simulation is aborted](Simulator::is_aborted), and rows are NaN.
 #[derive(Debug, Clone)]
 pub struct Replay {
     simulator: Simulator,
@@ -319,8 +319,8 @@ pub fn replay(
     for (index, input) in inputs.iter().enumerate() {
         held_commands += usize::from(input.command.is_none());
         let row = replay.row(input);
-        if replay.simulator().is_given_up() {
-            return Err(ReplayError::given_up(input.time_ns));
+        if replay.simulator().is_aborted() {
+            return Err(ReplayError::aborted(input.time_ns));
         }
         for (column, value) in columns.iter_mut().zip(row) {
             column.push(value);

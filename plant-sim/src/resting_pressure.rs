@@ -184,7 +184,7 @@ mod tests {
     /// Compares every formula with many small steps of the pressure's own equation, from choked through subsonic into
     /// the laminar zone, filling and venting, with an ideal and a real critical ratio.
     #[test]
-    fn every_course_solves_the_equation_of_the_pressure() {
+    fn every_trace_solves_the_equation_of_the_pressure() {
         for critical_ratio in [0.528, 0.35] {
             let mut parameters = PlantParameters::nominal();
             parameters.flow.critical_ratio = critical_ratio;
@@ -201,12 +201,12 @@ mod tests {
                 ([0.0, 2e-6], 1.000_05 * ambient),
                 ([2e-6, 1e-6], 3.1e5),
             ] {
-                let course = RestingPressure::of(&plant, areas, start).unwrap();
+                let trace = RestingPressure::of(&plant, areas, start).unwrap();
                 assert!(
-                    (course.at(&plant, 0.0) / start - 1.0).abs() < 1e-9,
+                    (trace.at(&plant, 0.0) / start - 1.0).abs() < 1e-9,
                     "{start}"
                 );
-                let span = course.valid_for().min(5e-3);
+                let span = trace.valid_for().min(5e-3);
                 let rate = |p: &[f64; 1]| [plant.pressure_rate(areas, p[0])];
                 let mut pressure = [start];
                 for _ in 0..2000 {
@@ -215,7 +215,7 @@ mod tests {
                         .step
                         .end;
                 }
-                let error = course.at(&plant, span) / pressure[0] - 1.0;
+                let error = trace.at(&plant, span) / pressure[0] - 1.0;
                 assert!(
                     error.abs() < 2e-9,
                     "{critical_ratio} {areas:?} {start}: {error}"

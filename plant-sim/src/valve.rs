@@ -178,7 +178,7 @@ impl Valve {
 
     /// Returns the breakaway force on a resting armature (N): it leaves its stop if this is positive.
     #[inline]
-    pub fn departing_force(&self, motion: Motion, x: f64, current: f64, pressure_drop: f64) -> f64 {
+    pub fn breakaway_force(&self, motion: Motion, x: f64, current: f64, pressure_drop: f64) -> f64 {
         let net = self.magnet.force(current, x) + self.armature.static_force(x, pressure_drop);
         match motion {
             Motion::AtRestStop => net,

@@ -57,7 +57,7 @@ fn complaint(plant: &PlantParameters, duties: &[(f64, f64)], row_ns: u64) -> Opt
             duty_vent_pct,
         });
         let pressure = simulator.sample().measured_pressure;
-        if simulator.is_given_up() || !pressure.is_finite() {
+        if simulator.is_aborted() || !pressure.is_finite() {
             return Some(format!(
                 "{pressure} Pa, {:?} until {time_ns} ns",
                 simulator.statistics()
@@ -228,9 +228,9 @@ impl Effect for Nonsense {
 fn a_rate_that_is_no_number_gives_the_simulation_up() {
     let plant = PlantParameters::nominal().with_effect(EffectSetting::typical(&Nonsense));
     let mut simulator = Simulator::new(&plant);
-    assert!(!simulator.is_given_up() && simulator.sample().pressure.is_finite());
+    assert!(!simulator.is_aborted() && simulator.sample().pressure.is_finite());
     simulator.advance_to_ns(RUN_NS);
-    assert!(simulator.is_given_up());
+    assert!(simulator.is_aborted());
     assert!(
         simulator.statistics().work() < 100,
         "{:?}",
@@ -253,11 +253,11 @@ fn a_simulation_is_given_up_at_its_limit() {
     });
     simulator.set_work_limit(50);
     simulator.advance_to_ns(1_000_000_000);
-    assert!(simulator.is_given_up() && simulator.statistics().work() == 50);
+    assert!(simulator.is_aborted() && simulator.statistics().work() == 50);
     assert!(simulator.sample().pressure.is_nan());
     simulator.set_work_limit(u64::MAX);
     simulator.advance_to_ns(1_100_000_000);
-    assert!(!simulator.is_given_up() && simulator.sample().pressure.is_finite());
+    assert!(!simulator.is_aborted() && simulator.sample().pressure.is_finite());
 }
 
 /// Maximum work of a random plant in fifteen samples of 10 ms: its PWM has 3 to 75 periods in that time, and rates that
@@ -335,7 +335,7 @@ proptest! {
             simulator.command(Command { duty_fill_pct: duty(fill), duty_vent_pct: duty(vent) });
             simulator.advance_to_ns(sample * 10_000_000);
         }
-        prop_assert!(!simulator.is_given_up(), "{:?}", simulator.statistics());
+        prop_assert!(!simulator.is_aborted(), "{:?}", simulator.statistics());
         prop_assert!(simulator.state().pressure.is_finite(), "{:?}", simulator.state());
     }
 }

@@ -52,7 +52,7 @@ fn run(
 }
 
 /// Returns an excitation that fills, holds, vents and overlaps: every part of the plant works.
-fn manoeuvre() -> Vec<(f64, f64)> {
+fn test_signal() -> Vec<(f64, f64)> {
     let phases = [
         (15, 100.0, 0.0),
         (20, 0.0, 0.0),
@@ -145,7 +145,7 @@ fn the_ids_are_those_of_the_design() {
 #[test]
 fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
     // Fifteen seconds warm the coils.
-    let duties = [vec![(100.0, 0.0); 1500], manoeuvre()].concat();
+    let duties = [vec![(100.0, 0.0); 1500], test_signal()].concat();
     let nominal = PlantParameters::nominal();
     let (plain, _) = run(&nominal, &duties, Tolerance::default());
     for setting in settings() {
@@ -170,7 +170,7 @@ fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
 /// The event-driven solution with effects converges like the plain one.
 #[test]
 fn every_effect_converges_with_the_tolerance() {
-    let duties = &manoeuvre()[..100];
+    let duties = &test_signal()[..100];
     let nominal = PlantParameters::nominal();
     let mut plants: Vec<_> = settings()
         .into_iter()
@@ -209,7 +209,7 @@ fn every_effect_converges_with_the_tolerance() {
 /// one except for the cavity's half percent of air, and does not take millions of steps.
 #[test]
 fn what_is_much_faster_than_the_plant_costs_few_steps_and_changes_nothing() {
-    let duties = manoeuvre();
+    let duties = test_signal();
     let nominal = PlantParameters::nominal();
     let (plain, _) = run(&nominal, &duties, Tolerance::default());
     for (id, values) in [
@@ -337,7 +337,7 @@ fn every_effect_is_in_the_list_of_parameters() {
 #[test]
 fn all_effects_together_stay_in_bounds() {
     let plant = with_all(&PlantParameters::nominal());
-    let (samples, statistics) = run(&plant, &manoeuvre().repeat(4), Tolerance::default());
+    let (samples, statistics) = run(&plant, &test_signal().repeat(4), Tolerance::default());
     for sample in &samples {
         assert!((1.0e5..9.6e5).contains(&sample.pressure), "{sample:?}");
         for index in 0..2 {

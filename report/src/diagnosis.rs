@@ -64,8 +64,8 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
                 p.lead { "Add it to the plant file:" }
                 pre { code { (foreign(command)) } }
             }
-            (figure(plot::ladder(&diagnosis.ladder)))
-            details { summary { "In numbers" } (ladder_table(&diagnosis.ladder)) }
+            (figure(plot::error_steps(&diagnosis.error_steps)))
+            details { summary { "In numbers" } (error_step_table(&diagnosis.error_steps)) }
             (before_and_after(part))
             h3 { "The candidates" }
             (figure(plot::candidates(diagnosis)))
@@ -92,7 +92,7 @@ fn title(id: &str) -> String {
     capitalised(&id.replace('_', " "))
 }
 
-fn ladder_table(steps: &[Step]) -> Markup {
+fn error_step_table(steps: &[Step]) -> Markup {
     html! {
         div.table {
             table {
@@ -207,8 +207,8 @@ fn candidate_row(candidate: &Candidate, is_contender: bool) -> Markup {
                     DetectionLimit::Size { key, value, .. } => {
                         @if candidate.is_stronger_below() { "≤ " } @else { "≥ " } (engineering(*value)) br; code { (foreign(key)) }
                     }
-                    DetectionLimit::NotExcited { manoeuvre } => {
-                        "not excited" br; span.note { (foreign(manoeuvre)) }
+                    DetectionLimit::NotExcited { test_signal } => {
+                        "not excited" br; span.note { (foreign(test_signal)) }
                     }
                 }
             }

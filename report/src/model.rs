@@ -185,7 +185,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
             p.lead {
                 "Where the error is, "
                 (match signal.error_map.horizon {
-                    Horizon::ShortHorizon => "one step ahead",
+                    Horizon::OneStepAhead => "one step ahead",
                     Horizon::FreeRun => "in free run",
                 })
                 ". Each cell: share of the excess, and mean error."
@@ -218,8 +218,8 @@ fn details(signal: &SignalComparison) -> Markup {
             }
             @if let Some(offset) = &signal.time_offset { dt { "Time offset" } dd { (foreign(&offset.statement)) } }
             (error_lines("Free run", &signal.free_run, unit))
-            @if let Some(short_horizon) = &signal.short_horizon {
-                (error_lines("One step ahead", short_horizon, unit))
+            @if let Some(one_step_ahead) = &signal.one_step_ahead {
+                (error_lines("One step ahead", one_step_ahead, unit))
             }
         }
     }
@@ -270,7 +270,7 @@ fn regime_table(shares: &RegimeShares, unit: &str) -> Markup {
                 }
                 tbody {
                     @for bin in &shares.bins {
-                        @let error = bin.short_horizon.as_ref().unwrap_or(&bin.free_run);
+                        @let error = bin.one_step_ahead.as_ref().unwrap_or(&bin.free_run);
                         tr {
                             th scope="row" { (foreign(&bin.label)) }
                             td.number { (bin.samples) }

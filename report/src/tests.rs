@@ -206,7 +206,7 @@ fn hostile_text_in_a_diagnosis_stays_text() {
         (candidate.variant, candidate.physics) = (hostile(), hostile());
         candidate.plausibility = hostile();
     }
-    for step in &mut diagnosis.ladder {
+    for step in &mut diagnosis.error_steps {
         step.variant = Some(hostile());
     }
     for regime in &mut diagnosis.location.before {
@@ -273,7 +273,7 @@ fn a_diagnosis_that_names_nothing_shows_measured_against_modelled() {
     let named = page_of(&bench, &diagnosis).matches("<svg").count();
     diagnosis.verdict = DiagnosisVerdict::NotInLibrary;
     diagnosis.effects.clear();
-    diagnosis.ladder.truncate(1);
+    diagnosis.error_steps.truncate(1);
     let page = page_of(&bench, &diagnosis);
     assert!(page.contains("not in the library"));
     let plots = page.matches("<svg").count();

@@ -399,7 +399,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_log_of_the_tour_is_read() {
+    fn the_log_of_the_demo_is_read() {
         let log = tour_log().unwrap();
         assert_eq!(log.time_bases().next().unwrap().1.len(), 6000);
     }

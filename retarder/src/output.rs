@@ -113,7 +113,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         Outcome::ThesisExplanation(explained) => {
             serde_json::to_string_pretty(&explained.explanation)
         }
-        Outcome::Tour(_)
+        Outcome::Demo(_)
         | Outcome::Report(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)

@@ -47,24 +47,24 @@ pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
 /// Returns the report, or `None` if the outcome has none.
 pub(crate) fn html(outcome: &Outcome) -> Option<String> {
     Some(match outcome {
-        Outcome::Tour(tour) => {
+        Outcome::Demo(demo) => {
             let next_steps = NEXT_STEPS.map(|[command, reason]| format!("{command}: {reason}"));
             let inputs = [
                 vec![
-                    Input::of_recording("log", tour.compared.log.provenance()),
-                    tour.compared.plant.input(),
+                    Input::of_recording("log", demo.compared.log.provenance()),
+                    demo.compared.plant.input(),
                 ],
-                tour.loops
+                demo.loops
                     .iter()
                     .flat_map(|run| run.scenario.inputs.clone())
                     .collect(),
             ]
             .concat();
             page(&Page {
-                title: "A tour: model, bench and loop",
-                compared: std::slice::from_ref(&tour.compared),
-                loops: &tour.loops,
-                figures: Some(&tour.figures),
+                title: "A demo: model, bench and loop",
+                compared: std::slice::from_ref(&demo.compared),
+                loops: &demo.loops,
+                figures: Some(&demo.figures),
                 next_steps: &next_steps,
                 inputs: &inputs,
                 ..Page::default()

@@ -3,6 +3,7 @@
 mod chart;
 mod comparison;
 mod control;
+mod demo;
 mod device;
 mod diagnosis;
 mod estimation;
@@ -15,7 +16,6 @@ mod serve;
 mod simulation;
 mod table;
 mod thesis;
-mod tour;
 
 use std::io::{stderr, stdout};
 
@@ -123,7 +123,7 @@ impl Colour {
 /// Returns the text of an outcome.
 pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal) -> String {
     let mut text = match outcome {
-        Outcome::Tour(tour) => tour::tour(tour, targets, terminal),
+        Outcome::Demo(demo) => demo::demo(demo, targets, terminal),
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
         Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
@@ -144,7 +144,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Settings(controller) => parameters::settings(controller, terminal),
         Outcome::Text(text) => text.clone(),
     };
-    if !matches!(outcome, Outcome::Tour(_)) {
+    if !matches!(outcome, Outcome::Demo(_)) {
         let files = [
             &targets.recording,
             &targets.plant,

@@ -4,6 +4,7 @@ pub(crate) mod black_box;
 pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod control;
+pub(crate) mod demo;
 pub(crate) mod device;
 pub(crate) mod device_report;
 pub(crate) mod diagnose;
@@ -15,13 +16,12 @@ pub(crate) mod serve;
 pub(crate) mod session;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
-pub(crate) mod tour;
 
 use crate::input::{NamedController, NamedPlant};
 
 /// Result of a task.
 pub(crate) enum Outcome {
-    Tour(Box<tour::Tour>),
+    Demo(Box<demo::Demo>),
     Simulation(simulate::Simulation),
     Comparison(Box<compare::Compared>),
     Diagnosis(Box<diagnose::Diagnosed>),
@@ -79,7 +79,7 @@ impl Outcome {
             Self::Measurement(measurement) => measurement.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),
             Self::ThesisExplanation(explained) => Answer::of(explained.explanation.brings_in()),
-            Self::Tour(_)
+            Self::Demo(_)
             | Self::Simulation(_)
             | Self::Estimation(_)
             | Self::Refinement(_)

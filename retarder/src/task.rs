@@ -32,7 +32,7 @@ pub(crate) struct Task {
 }
 
 enum Work {
-    Tour,
+    Demo,
     Simulate(run::simulate::Task),
     Compare {
         plant: NamedPlant,
@@ -73,7 +73,7 @@ impl Task {
         let work = match arguments.command {
             None => {
                 targets.html = Some(DEMO_REPORT.into());
-                Work::Tour
+                Work::Demo
             }
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
@@ -144,7 +144,7 @@ impl Task {
     /// Runs the task.
     pub(crate) fn run(self) -> Result<(Outcome, Targets), Failure> {
         let outcome = match self.work {
-            Work::Tour => Outcome::Tour(Box::new(run::tour::run()?)),
+            Work::Demo => Outcome::Demo(Box::new(run::demo::run()?)),
             Work::Simulate(task) => Outcome::Simulation(run::simulate::run(task)?),
             Work::Compare {
                 plant,

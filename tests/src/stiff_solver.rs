@@ -85,7 +85,7 @@ fn roots(plant: &Plant, mode: Mode, state: &State, roots: &mut [f64]) {
             roots[0] = x + STOP_MARGIN;
             roots[1] = valve.armature.stroke + STOP_MARGIN - x;
         } else {
-            roots[0] = -valve.departing_force(mode.motions[index], x, i, drop);
+            roots[0] = -valve.breakaway_force(mode.motions[index], x, i, drop);
             roots[1] = 1.0;
         }
         roots[2] = match mode.drives[index] {
@@ -121,7 +121,7 @@ fn release(plant: &Plant, mode: &mut Mode, state: &State) {
     for index in [FILL, VENT] {
         let drop = plant.pressure_drop(index, state[3]);
         let [i, x] = [state[FIRST[index]], state[FIRST[index] + 1]];
-        if plant.valves[index].departing_force(mode.motions[index], x, i, drop) > 0.0 {
+        if plant.valves[index].breakaway_force(mode.motions[index], x, i, drop) > 0.0 {
             mode.motions[index] = Motion::Moving;
         }
     }

@@ -25,7 +25,7 @@ const SHORT: Counts = Counts {
 fn finding(effects: &str) -> String {
     let figures = r#"{"p_ch": 0.004, "i_fill": 0.7, "i_vent": 0.7}"#;
     format!(
-        r#"{{"verdict": "adequate", "effects": {effects}, "ladder":
+        r#"{{"verdict": "adequate", "effects": {effects}, "error_steps":
             [{{"fit_rms": {figures}, "check_rms": {figures}, "noise_floor": {figures}}}]}}"#
     )
 }
@@ -131,7 +131,7 @@ fn a_pair_is_fitted_with_each_of_its_effects_alone() {
 
     let unlooked = score(&folders).unwrap();
     assert_eq!(unlooked.quality.both_of_separable.of, 0);
-    let left = r#"{"ladder": [{"fit_rms": {}, "check_rms": {"p_ch": 2.0}, "noise_floor": {"p_ch": 1.0}}]}"#;
+    let left = r#"{"error_steps": [{"fit_rms": {}, "check_rms": {"p_ch": 2.0}, "noise_floor": {"p_ch": 1.0}}]}"#;
     let command = Released {
         retarder: stand_in(folder.path(), left),
         plant: "plant.toml".into(),

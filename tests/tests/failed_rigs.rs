@@ -152,7 +152,7 @@ impl Case<'_> {
 /// Returns the parts of a diagnosis that a failed test shows.
 fn summary(diagnosis: &Diagnosis) -> String {
     let mut text = format!("{:?}: {}\n", diagnosis.verdict, diagnosis.sentence);
-    for step in &diagnosis.ladder {
+    for step in &diagnosis.error_steps {
         let (name, share) = (step.name(), step.explained_share);
         _ = write!(text, "{name}: explains {share:.3};");
         for signal in step.check_rms.keys() {

@@ -229,7 +229,7 @@ fn what_the_diagnosis_names_on_a_field_rig_is_fitted_and_scored() {
 
     let refined = finding(1.0, 1.0, "chamber.volume_m3", [0.9, 1.0, 1.1]);
     let says = format!(
-        r#"{}, "verdict": "found", "effects": ["{hidden}"], "ladder": [{{
+        r#"{}, "verdict": "found", "effects": ["{hidden}"], "error_steps": [{{
             "added": "{hidden}", "variant": "of_its_form", "fit_rms": {{"p_ch": 1.0}}, "check_rms": {{"p_ch": 1.0}},
             "noise_floor": {{"p_ch": 1.0}}, "free_run_check_rms": {{"p_ch": 1.2}}}}]}}"#,
         refined.strip_suffix('}').unwrap()

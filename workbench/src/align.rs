@@ -28,7 +28,7 @@ pub(crate) fn align(
     moved: &Recording,
     signal: &str,
 ) -> Result<Alignment, Refusal> {
-    let [fixed, moved] = [Course::of(fixed, signal)?, Course::of(moved, signal)?];
+    let [fixed, moved] = [Trace::of(fixed, signal)?, Trace::of(moved, signal)?];
     let shorter_s = fixed.duration_s().min(moved.duration_s());
     let longer_s = fixed.duration_s().max(moved.duration_s());
     let overlap_s = OVERLAP_MIN * shorter_s;
@@ -57,26 +57,26 @@ pub(crate) fn align(
 }
 
 /// Signal without its missing samples.
-struct Course {
+struct Trace {
     times_s: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl Course {
+impl Trace {
     fn of(log: &Recording, name: &str) -> Result<Self, Refusal> {
         let found = log.signal(name).zip(log.time_base_of(name));
         let (signal, base): (&Signal, &TimeBase) =
             found.ok_or_else(|| Refusal::not_found("signal in both logs"))?;
         let pairs = base.times_s().iter().zip(signal.values_or_nan());
         let (times_s, values) = pairs.filter(|(_, value)| !value.is_nan()).unzip();
-        let course = Self { times_s, values };
-        if course.times_s.len() < 3 {
+        let trace = Self { times_s, values };
+        if trace.times_s.len() < 3 {
             return Err(Refusal::value(format!(
                 "{name} has {} samples (at least 3 to align two logs); choose another signal, or type the offset",
-                course.times_s.len()
+                trace.times_s.len()
             )));
         }
-        Ok(course)
+        Ok(trace)
     }
 
     fn duration_s(&self) -> f64 {
@@ -95,9 +95,9 @@ impl Course {
 
 /// Returns the correlation coefficient of the overlapping part, sampled at a fixed number of places; `None` if it is
 /// too short or constant.
-fn correlation(fixed: &Course, moved: &Course, offset_s: f64, overlap_s: f64) -> Option<f64> {
+fn correlation(fixed: &Trace, moved: &Trace, offset_s: f64, overlap_s: f64) -> Option<f64> {
     let from_s = fixed.times_s[0].max(moved.times_s[0] + offset_s);
-    let last = |course: &Course| course.times_s[course.times_s.len() - 1];
+    let last = |trace: &Trace| trace.times_s[trace.times_s.len() - 1];
     let to_s = last(fixed).min(last(moved) + offset_s);
     if to_s - from_s < overlap_s {
         return None;

@@ -44,7 +44,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/diagnose/candidates.js",
     "pages/diagnose/experiment.js",
     "pages/diagnose/remaining.js",
-    "pages/ladder.js",
+    "pages/error-steps.js",
     "pages/logs.js",
     "pages/mapping.js",
     "pages/planned.js",

@@ -204,7 +204,8 @@ mod tests {
                 profile: Some(unedited.profile().unwrap()),
                 ..unedited.clone()
             };
-            let [one, other] = [&unedited, &edited].map(|wish| wish.scenario_on(&nominal).unwrap());
+            let [one, other] =
+                [&unedited, &edited].map(|request| request.scenario_on(&nominal).unwrap());
             assert_eq!(
                 one.duration_samples, other.duration_samples,
                 "{}",

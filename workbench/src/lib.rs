@@ -2,6 +2,7 @@
 
 mod align;
 mod assets;
+mod cache;
 mod calculated;
 mod closed_loop;
 mod connections;
@@ -28,7 +29,6 @@ mod resample;
 mod results;
 mod server;
 mod session;
-mod shelf;
 mod shown_unit;
 mod spectrum;
 mod store;

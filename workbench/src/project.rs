@@ -27,7 +27,7 @@ pub(crate) struct Project {
     pub(crate) schema: String,
     pub(crate) logs: Vec<LogEntry>,
     pub(crate) plant: PlantFile,
-    pub(crate) strictness: Strictness,
+    pub(crate) strictness: AcceptanceLimits,
     /// Mappings by the header that they were made for, to be proposed again.
     pub(crate) mappings: BTreeMap<String, String>,
     /// History of the plant; absent in files of earlier versions.
@@ -59,7 +59,7 @@ pub(crate) struct LogEntry {
 /// Acceptance limits of signals; see [`CompareOptions`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Strictness {
+pub(crate) struct AcceptanceLimits {
     pub(crate) allowed_noise_multiples: f64,
     /// Largest rms error of a signal within tolerance.
     pub(crate) tolerances: BTreeMap<String, f64>,
@@ -68,7 +68,7 @@ pub(crate) struct Strictness {
     pub(crate) bands: BTreeMap<String, Tolerance>,
 }
 
-impl Default for Strictness {
+impl Default for AcceptanceLimits {
     fn default() -> Self {
         let options = CompareOptions::default();
         Self {
@@ -79,7 +79,7 @@ impl Default for Strictness {
     }
 }
 
-impl Strictness {
+impl AcceptanceLimits {
     /// Refuses invalid limits.
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         let is_positive = |value: f64| value > 0.0 && value.is_finite();
@@ -125,7 +125,7 @@ impl Default for Project {
             schema: PROJECT_SCHEMA.to_owned(),
             logs: Vec::new(),
             plant: PlantFile::nominal(),
-            strictness: Strictness::default(),
+            strictness: AcceptanceLimits::default(),
             mappings: BTreeMap::new(),
             history: History::default(),
             closed_loop: ClosedLoop::default(),

@@ -237,14 +237,14 @@ mod tests {
     }
 
     /// Returns a mixture of a random walk and a sawtooth, the same each time.
-    fn course(count: usize) -> Vec<f64> {
+    fn trace(count: usize) -> Vec<f64> {
         let value = |index: usize| ((index * 7919) % 10_007) as f64 - (index % 300) as f64;
         (0..count).map(value).collect()
     }
 
     #[test]
     fn extremes_of_any_range_are_those_of_its_samples() {
-        let mut values = course(5000);
+        let mut values = trace(5000);
         values[700..1500].fill(f64::NAN);
         let pyramid = Pyramid::new(&values[..]);
         for (from, to) in [
@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_narrow_view_has_every_sample_and_its_neighbours() {
-        let values = course(10_000);
+        let values = trace(10_000);
         let times = times(values.len());
         let shown =
             Pyramid::new(&values[..]).thin((&times, &values[..]), (5.0005, 5.0025), 800, 1.0);

@@ -6,6 +6,7 @@ use model_lab::{LogConditions, find_conditions};
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
+use crate::cache::{Cache, Room, VALUES_MAX, values_of};
 use crate::calculated::{self, Calculated};
 use crate::job::Job;
 use crate::lock::lock;
@@ -17,7 +18,6 @@ use crate::project::{LogEntry, Project};
 use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
-use crate::shelf::{Room, Shelf, VALUES_MAX, values_of};
 use crate::store::{BeingRead, Store};
 
 /// Maximum number of plants for which a log stores its conditions.
@@ -48,8 +48,8 @@ pub(crate) struct Session {
     project: Mutex<Project>,
     /// Logs during whose reading an earlier process of this session ended.
     unreadable: Vec<BeingRead>,
-    logs: Shelf<OpenLog>,
-    comparisons: Shelf<Compared>,
+    logs: Cache<OpenLog>,
+    comparisons: Cache<Compared>,
     findings: Mutex<Findings>,
     /// Errors of recently simulated plants.
     pub(crate) errors: Mutex<ErrorsOfPlants>,
@@ -160,8 +160,8 @@ impl Session {
             } else {
                 Vec::new()
             },
-            logs: Shelf::in_room(&room),
-            comparisons: Shelf::in_room(&room),
+            logs: Cache::in_room(&room),
+            comparisons: Cache::in_room(&room),
             findings: Mutex::new(findings.unwrap_or_default()),
             errors: Mutex::default(),
             controlled: Kept::default(),

@@ -100,7 +100,7 @@ async fn list_examples() -> Json<Vec<&'static Example>> {
 }
 
 #[derive(Deserialize)]
-struct Wish {
+struct NewTab {
     /// Project that the tab had open before, if any.
     project: Option<String>,
 }
@@ -114,9 +114,9 @@ struct Opened {
 
 async fn open(
     State(tabs): State<Arc<Tabs>>,
-    Json(wish): Json<Wish>,
+    Json(request): Json<NewTab>,
 ) -> Result<Json<Opened>, Refusal> {
-    let wanted = wish.project.and_then(|id| ProjectId::try_from(id).ok());
+    let wanted = request.project.and_then(|id| ProjectId::try_from(id).ok());
     let tab = tabs.open(wanted.as_ref())?;
     let session = tab.id().clone();
     let has_logs = tab.begin().await.inspect_err(|_| tabs.close(&session))?;

@@ -45,7 +45,7 @@ impl CoilDetector {
 
     /// Records the duty cycle that was just applied to the coil.
     #[inline(always)]
-    pub(crate) fn told(&mut self, duty: Duty) {
+    pub(crate) fn command(&mut self, duty: Duty) {
         self.energised.push(duty.to_bits() >= ENERGISED_MIN);
         self.off.push(duty.is_off());
     }
@@ -64,17 +64,17 @@ mod tests {
     use super::*;
     use crate::detector::bench_limits;
 
-    /// Returns the faults of a coil that has this duty cycle for `told` samples, then also this current for `samples`
+    /// Returns the faults of a coil that has this duty cycle for `command` samples, then also this current for `samples`
     /// more.
-    fn faults_after(percent: &str, told: usize, current_ma: u16, samples: usize) -> FaultSet {
+    fn faults_after(percent: &str, command: usize, current_ma: u16, samples: usize) -> FaultSet {
         let duty = Duty::from_percent(percent.parse::<I16F16>().unwrap()).unwrap();
         let mut coil = CoilDetector::NEW;
-        for _ in 0..told {
-            coil.told(duty);
+        for _ in 0..command {
+            coil.command(duty);
         }
         for _ in 0..samples {
             coil.sample(&bench_limits(), Some(current_ma));
-            coil.told(duty);
+            coil.command(duty);
         }
         coil.faults(Fault::VentCoilOpen, Fault::VentCoilShort)
     }
@@ -129,7 +129,7 @@ mod tests {
         let mut coil = CoilDetector::NEW;
         for _ in 0..100 {
             coil.sample(&bench_limits(), None);
-            coil.told(Duty::FULL);
+            coil.command(Duty::FULL);
         }
         let faults = coil.faults(Fault::FillCoilOpen, Fault::FillCoilShort);
         assert_eq!(faults, FaultSet::NONE);

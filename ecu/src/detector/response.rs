@@ -154,13 +154,13 @@ mod tests {
     use crate::detector::bench_limits;
 
     /// Detector with two valves that have had the same command for a long time, and the pressure (2⁻¹⁶ bar).
-    struct Told {
+    struct Command {
         detector: ResponseDetector,
         valves: Valves,
         pressure: i32,
     }
 
-    impl Told {
+    impl Command {
         /// Creates it with these fill and vent duty cycles (%).
         fn for_long(fill: i32, vent: i32, pressure: i32) -> Self {
             let duty = |percent| Duty::from_percent(I16F16::from_num(percent)).unwrap();
@@ -172,13 +172,13 @@ mod tests {
             for _ in 0..40 {
                 valves.told(&bench_limits(), opening);
             }
-            let mut told = Self {
+            let mut command = Self {
                 detector: ResponseDetector::NEW,
                 valves,
                 pressure,
             };
-            assert_eq!(told.changes(0), FaultSet::NONE);
-            told
+            assert_eq!(command.changes(0), FaultSet::NONE);
+            command
         }
 
         fn sees(&mut self, pressure: Option<i32>) -> FaultSet {
@@ -208,10 +208,10 @@ mod tests {
     fn n_samples_beyond_the_excess_confirm_and_one_less_does_not() {
         for (sign, fault) in [(-1, Fault::UncommandedFall), (1, Fault::UncommandedRise)] {
             for (beyond, expected) in [(2, None), (3, Some(fault)), (4, Some(fault))] {
-                let mut told = Told::for_long(0, 0, 4 * BAR);
-                let mut found = told.changes(sign * (EXCESS_MAX + 1 + CREEP * beyond));
+                let mut command = Command::for_long(0, 0, 4 * BAR);
+                let mut found = command.changes(sign * (EXCESS_MAX + 1 + CREEP * beyond));
                 for _ in 0..5 {
-                    found = found.union(told.changes(0));
+                    found = found.union(command.changes(0));
                 }
                 let expected = expected.map_or(FaultSet::NONE, FaultSet::of);
                 assert_eq!(found, expected, "{fault:?}, {beyond}");
@@ -222,10 +222,10 @@ mod tests {
     #[test]
     fn a_shut_chamber_may_creep_for_ever_and_no_faster() {
         for sign in [-1, 1] {
-            let mut told = Told::for_long(0, 0, 4 * BAR);
-            assert_eq!(told.confirms(sign * CREEP, 10_000), None);
-            let mut told = Told::for_long(0, 0, 4 * BAR);
-            let (sample, _) = told.confirms(sign * (CREEP + 1), 40_000).unwrap();
+            let mut command = Command::for_long(0, 0, 4 * BAR);
+            assert_eq!(command.confirms(sign * CREEP, 10_000), None);
+            let mut command = Command::for_long(0, 0, 4 * BAR);
+            let (sample, _) = command.confirms(sign * (CREEP + 1), 40_000).unwrap();
             assert_eq!(sample, EXCESS_MAX.unsigned_abs() + 3);
         }
     }
@@ -233,44 +233,49 @@ mod tests {
     /// The minimum rise is half of 7.13/s times 7.5 bar in 10 ms: 0.267 bar.
     #[test]
     fn a_filled_chamber_that_does_not_rise_is_found_in_the_fourth_sample() {
-        let mut told = Told::for_long(75, 0, 0);
+        let mut command = Command::for_long(75, 0, 0);
         let expected = FaultSet::of(Fault::NoRise);
-        assert_eq!(told.confirms(0, 10), Some((4, expected)));
-        let mut told = Told::for_long(75, 0, 0);
-        assert_eq!(told.confirms(-FALLING, 10), Some((4, expected)));
+        assert_eq!(command.confirms(0, 10), Some((4, expected)));
+        let mut command = Command::for_long(75, 0, 0);
+        assert_eq!(command.confirms(-FALLING, 10), Some((4, expected)));
     }
 
     #[test]
     fn a_pressure_that_falls_while_filled_is_a_lost_supply() {
-        let mut told = Told::for_long(75, 0, 4 * BAR);
-        let (_, faults) = told.confirms(-FALLING - 1, 20).unwrap();
+        let mut command = Command::for_long(75, 0, 4 * BAR);
+        let (_, faults) = command.confirms(-FALLING - 1, 20).unwrap();
         assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
     }
 
     /// The minimum fall is half of 7.28/s times 5 bar in 10 ms: 0.182 bar.
     #[test]
     fn a_vented_chamber_that_does_not_fall_is_found_in_the_fifth_sample() {
-        let mut told = Told::for_long(0, 75, 5 * BAR);
+        let mut command = Command::for_long(0, 75, 5 * BAR);
         let expected = FaultSet::of(Fault::NoFall);
-        assert_eq!(told.confirms(0, 10), Some((5, expected)));
+        assert_eq!(command.confirms(0, 10), Some((5, expected)));
     }
 
     #[test]
     fn what_the_open_valve_does_at_least_is_enough() {
         let limits = bench_limits();
-        let mut told = Told::for_long(75, 0, 0);
-        while told.pressure < limits.supply_min {
-            let least = moved(limits.least_rise, limits.supply_min - told.pressure);
-            assert_eq!(told.changes(least + 1), FaultSet::NONE, "{}", told.pressure);
-        }
-        let mut told = Told::for_long(0, 75, 7 * BAR);
-        while told.pressure > BAR / 100 {
-            let least = moved(limits.least_fall, told.pressure);
+        let mut command = Command::for_long(75, 0, 0);
+        while command.pressure < limits.supply_min {
+            let least = moved(limits.least_rise, limits.supply_min - command.pressure);
             assert_eq!(
-                told.changes(-least - 1),
+                command.changes(least + 1),
                 FaultSet::NONE,
                 "{}",
-                told.pressure
+                command.pressure
+            );
+        }
+        let mut command = Command::for_long(0, 75, 7 * BAR);
+        while command.pressure > BAR / 100 {
+            let least = moved(limits.least_fall, command.pressure);
+            assert_eq!(
+                command.changes(-least - 1),
+                FaultSet::NONE,
+                "{}",
+                command.pressure
             );
         }
     }
@@ -278,59 +283,65 @@ mod tests {
     #[test]
     fn a_full_chamber_need_not_rise_and_an_empty_one_need_not_fall() {
         let full = bench_limits().supply_min;
-        assert_eq!(Told::for_long(75, 0, full).confirms(0, 1000), None);
-        assert_eq!(Told::for_long(75, 0, full + BAR).confirms(0, 1000), None);
-        assert_eq!(Told::for_long(0, 75, 0).confirms(0, 1000), None);
-        assert_eq!(Told::for_long(0, 75, -BAR / 4).confirms(0, 1000), None);
+        assert_eq!(Command::for_long(75, 0, full).confirms(0, 1000), None);
+        assert_eq!(Command::for_long(75, 0, full + BAR).confirms(0, 1000), None);
+        assert_eq!(Command::for_long(0, 75, 0).confirms(0, 1000), None);
+        assert_eq!(Command::for_long(0, 75, -BAR / 4).confirms(0, 1000), None);
     }
 
     #[test]
     fn a_valve_that_may_be_open_explains_everything_in_its_direction() {
-        assert_eq!(Told::for_long(50, 0, 0).confirms(BAR / 2, 14), None);
-        assert_eq!(Told::for_long(0, 50, 7 * BAR).confirms(-BAR / 2, 14), None);
+        assert_eq!(Command::for_long(50, 0, 0).confirms(BAR / 2, 14), None);
+        assert_eq!(
+            Command::for_long(0, 50, 7 * BAR).confirms(-BAR / 2, 14),
+            None
+        );
         for change in [-BAR / 2, 0, BAR / 2] {
-            assert_eq!(Told::for_long(75, 75, 7 * BAR).confirms(change, 14), None);
+            assert_eq!(
+                Command::for_long(75, 75, 7 * BAR).confirms(change, 14),
+                None
+            );
         }
     }
 
     #[test]
     fn a_valve_that_may_be_open_explains_nothing_in_the_other_direction() {
-        let (_, faults) = Told::for_long(50, 0, 7 * BAR)
+        let (_, faults) = Command::for_long(50, 0, 7 * BAR)
             .confirms(-BAR / 2, 14)
             .unwrap();
         assert_eq!(faults, FaultSet::of(Fault::SupplyLost));
-        let (_, faults) = Told::for_long(0, 50, 0).confirms(BAR / 2, 14).unwrap();
+        let (_, faults) = Command::for_long(0, 50, 0).confirms(BAR / 2, 14).unwrap();
         assert_eq!(faults, FaultSet::of(Fault::UncommandedRise));
     }
 
     #[test]
     fn a_sample_without_pressure_begins_anew() {
-        let mut told = Told::for_long(75, 0, 0);
+        let mut command = Command::for_long(75, 0, 0);
         for _ in 0..100 {
-            assert_eq!(told.confirms(0, 3), None);
-            assert_eq!(told.sees(None), FaultSet::NONE);
-            assert_eq!(told.changes(BAR), FaultSet::NONE);
-            told.pressure = 0;
-            assert_eq!(told.sees(None), FaultSet::NONE);
-            assert_eq!(told.changes(0), FaultSet::NONE);
+            assert_eq!(command.confirms(0, 3), None);
+            assert_eq!(command.sees(None), FaultSet::NONE);
+            assert_eq!(command.changes(BAR), FaultSet::NONE);
+            command.pressure = 0;
+            assert_eq!(command.sees(None), FaultSet::NONE);
+            assert_eq!(command.changes(0), FaultSet::NONE);
         }
     }
 
     #[test]
     fn a_fault_keeps_the_name_under_which_it_was_confirmed() {
-        let mut told = Told::for_long(75, 0, 4 * BAR);
-        let (_, first) = told.confirms(0, 20).unwrap();
+        let mut command = Command::for_long(75, 0, 4 * BAR);
+        let (_, first) = command.confirms(0, 20).unwrap();
         assert_eq!(first, FaultSet::of(Fault::NoRise));
-        assert_eq!(told.changes(-BAR), first);
+        assert_eq!(command.changes(-BAR), first);
     }
 
     /// The sums end an eighth above the excess: 4096 units, which decrease by 328 in each sample.
     #[test]
     fn what_is_over_is_soon_forgotten() {
         for sign in [-1, 1] {
-            let mut told = Told::for_long(0, 0, 5 * BAR);
-            told.changes(sign * 4 * BAR);
-            let last = (1..100).filter(|_| !told.changes(0).is_empty()).max();
+            let mut command = Command::for_long(0, 0, 5 * BAR);
+            command.changes(sign * 4 * BAR);
+            let last = (1..100).filter(|_| !command.changes(0).is_empty()).max();
             assert_eq!(last, Some(12 + 2));
         }
     }

@@ -1,13 +1,13 @@
 //! Transitions between modes: a pure function of the situation in a sample.
 
 use crate::mode::Mode;
-use crate::supervisor::way::Way;
+use crate::supervisor::fault_reaction::FaultReaction;
 
 /// Inputs of the decision about the next mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Situation {
     /// Reaction to the confirmed faults; `None`: no fault.
-    pub(crate) way: Option<Way>,
+    pub(crate) reaction: Option<FaultReaction>,
     /// Whether no fault was confirmed for the time of recovery, and retries are left.
     pub(crate) recovered: bool,
     /// Whether the reference was at zero for long enough.
@@ -26,7 +26,7 @@ impl Mode {
     #[inline(always)]
     pub(crate) fn next(self, situation: Situation) -> Self {
         let Situation {
-            way,
+            reaction,
             recovered,
             at_zero,
             is_over,
@@ -44,24 +44,24 @@ impl Mode {
             Self::Waiting
         };
         let is_interrupted = matches!(self, Self::Holding | Self::Ramping);
-        if self == Self::Locked || way == Some(Way::Lock) {
+        if self == Self::Locked || reaction == Some(FaultReaction::Lock) {
             Self::Locked
-        } else if way == Some(Way::Off) || self == Self::Safe && way.is_some() {
+        } else if reaction == Some(FaultReaction::Off) || self == Self::Safe && reaction.is_some() {
             safe
         } else if self == Self::Safe {
             if recovered { Self::Waiting } else { Self::Safe }
         } else if self == Self::Venting {
             if is_over { safe } else { Self::Venting }
-        } else if way >= Some(Way::Release) || is_interrupted && is_over {
+        } else if reaction >= Some(FaultReaction::Release) || is_interrupted && is_over {
             Self::Venting
-        } else if way == Some(Way::Hold) {
+        } else if reaction == Some(FaultReaction::Hold) {
             // Without the sensor a ramp is impossible.
             if self == Self::Ramping {
                 Self::Venting
             } else {
                 Self::Holding
             }
-        } else if way == Some(Way::Ramp) {
+        } else if reaction == Some(FaultReaction::Ramp) {
             Self::Ramping
         } else if is_interrupted && recovered {
             resumed
@@ -84,27 +84,27 @@ mod tests {
         let locking = if s.retries_left { Safe } else { Locked };
         match mode {
             Locked => Locked,
-            _ if s.way == Some(Way::Lock) => Locked,
-            _ if s.way == Some(Way::Off) => locking,
-            Safe => match s.way {
+            _ if s.reaction == Some(FaultReaction::Lock) => Locked,
+            _ if s.reaction == Some(FaultReaction::Off) => locking,
+            Safe => match s.reaction {
                 Some(_) => locking,
                 None => if s.recovered { Waiting } else { Safe },
             },
             Venting => if s.is_over { locking } else { Venting },
-            _ if matches!(s.way, Some(Way::Vent | Way::Release)) => Venting,
-            Holding => match (s.is_over, s.way, s.recovered) {
+            _ if matches!(s.reaction, Some(FaultReaction::Vent | FaultReaction::Release)) => Venting,
+            Holding => match (s.is_over, s.reaction, s.recovered) {
                 (true, ..) => Venting,
-                (_, Some(Way::Ramp), _) => Ramping,
+                (_, Some(FaultReaction::Ramp), _) => Ramping,
                 (_, Some(_), _) | (_, _, false) => Holding,
                 (_, None, true) => if s.is_enabled { Running } else { Waiting },
             },
-            Ramping => match (s.is_over, s.way, s.recovered) {
-                (true, ..) | (_, Some(Way::Hold), _) => Venting,
+            Ramping => match (s.is_over, s.reaction, s.recovered) {
+                (true, ..) | (_, Some(FaultReaction::Hold), _) => Venting,
                 (_, Some(_), _) | (_, _, false) => Ramping,
                 (_, None, true) => if s.is_enabled { Running } else { Waiting },
             },
-            Waiting | Running => match s.way {
-                Some(Way::Hold) => Holding,
+            Waiting | Running => match s.reaction {
+                Some(FaultReaction::Hold) => Holding,
                 Some(_) => Ramping,
                 None => if s.at_zero { Running } else { mode },
             },
@@ -112,18 +112,18 @@ mod tests {
     }
 
     fn every_situation() -> impl Iterator<Item = Situation> {
-        let ways = [
+        let reactions = [
             None,
-            Some(Way::Hold),
-            Some(Way::Ramp),
-            Some(Way::Release),
-            Some(Way::Vent),
-            Some(Way::Off),
-            Some(Way::Lock),
+            Some(FaultReaction::Hold),
+            Some(FaultReaction::Ramp),
+            Some(FaultReaction::Release),
+            Some(FaultReaction::Vent),
+            Some(FaultReaction::Off),
+            Some(FaultReaction::Lock),
         ];
-        ways.into_iter().flat_map(|way| {
+        reactions.into_iter().flat_map(|reaction| {
             (0..32).map(move |bits: u32| Situation {
-                way,
+                reaction,
                 recovered: bits & 1 != 0,
                 at_zero: bits & 2 != 0,
                 is_over: bits & 4 != 0,
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn every_transition_is_the_one_of_the_table() {
-        let mut seen = 0;
+        let mut observation = 0;
         for mode in Mode::ALL {
             for situation in every_situation() {
                 assert_eq!(
@@ -143,16 +143,16 @@ mod tests {
                     expected(mode, situation),
                     "{mode:?}, {situation:?}"
                 );
-                seen += 1;
+                observation += 1;
             }
         }
-        assert_eq!(seen, 7 * 7 * 32);
+        assert_eq!(observation, 7 * 7 * 32);
     }
 
     #[test]
     fn a_confirmed_fault_is_never_answered_by_running() {
         for mode in Mode::ALL {
-            for situation in every_situation().filter(|situation| situation.way.is_some()) {
+            for situation in every_situation().filter(|situation| situation.reaction.is_some()) {
                 assert!(!matches!(
                     mode.next(situation),
                     Mode::Running | Mode::Waiting

@@ -1,6 +1,6 @@
 //! Detection of each fault that is visible in an input: confirmed and answered in its N-th sample, and not before.
 
-use ecu::{Fault, Inputs, Mode, SensorCode, Way};
+use ecu::{Fault, FaultReaction, Inputs, Mode, SensorCode};
 
 use crate::bench::{Bench, code};
 
@@ -110,13 +110,13 @@ const CASES: [Case; 15] = [
     },
 ];
 
-const fn mode_of(way: Way) -> Mode {
-    match way {
-        Way::Hold => Mode::Holding,
-        Way::Ramp => Mode::Ramping,
-        Way::Release | Way::Vent => Mode::Venting,
-        Way::Off => Mode::Safe,
-        Way::Lock => Mode::Locked,
+const fn mode_of(reaction: FaultReaction) -> Mode {
+    match reaction {
+        FaultReaction::Hold => Mode::Holding,
+        FaultReaction::Ramp => Mode::Ramping,
+        FaultReaction::Release | FaultReaction::Vent => Mode::Venting,
+        FaultReaction::Off => Mode::Safe,
+        FaultReaction::Lock => Mode::Locked,
     }
 }
 
@@ -131,7 +131,7 @@ fn n_wrong_samples_are_answered_in_the_nth_and_one_less_is_not() {
         let mut bench = before();
         for sample in 1..=fault.samples() + 1 {
             bench.step_with(wrong);
-            let (mode, expected) = (bench.ecu.mode(), mode_of(fault.way()));
+            let (mode, expected) = (bench.ecu.mode(), mode_of(fault.reaction()));
             assert_eq!(
                 bench.has(fault),
                 sample >= fault.samples(),

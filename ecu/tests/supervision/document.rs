@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ecu::calibration::{SettingId, SettingValues};
-use ecu::{EcuSettings, Fault, Mechanism, Way};
+use ecu::{EcuSettings, Fault, FaultReaction, Mechanism};
 
 const PAGE: &str = include_str!("../../../docs/safety.md");
 
@@ -34,36 +34,40 @@ fn rows(columns: &str) -> BTreeMap<&'static str, Vec<&'static str>> {
 
 #[test]
 fn each_fault_has_the_n_and_the_way_of_the_page() {
-    let rows = rows("| fault | rule | N | way | why this way |");
+    let rows = rows("| fault | rule | N | reaction | why this reaction |");
     for fault in Fault::ALL {
         let row = rows
             .get(format!("{fault:?}").as_str())
             .unwrap_or_else(|| panic!("{fault:?} is not on the page"));
         assert_eq!(row[1], fault.samples().to_string(), "N of {fault:?}");
-        assert_eq!(row[2], format!("{:?}", fault.way()), "way of {fault:?}");
+        assert_eq!(
+            row[2],
+            format!("{:?}", fault.reaction()),
+            "reaction of {fault:?}"
+        );
     }
     assert_eq!(rows.len(), Fault::ALL.len());
 }
 
 #[test]
 fn each_way_is_on_the_page_the_stricter_the_later() {
-    let (_, table) = PAGE.split_once("| way | what happens |").unwrap();
+    let (_, table) = PAGE.split_once("| reaction | what happens |").unwrap();
     let places = [
-        Way::Hold,
-        Way::Ramp,
-        Way::Release,
-        Way::Vent,
-        Way::Off,
-        Way::Lock,
+        FaultReaction::Hold,
+        FaultReaction::Ramp,
+        FaultReaction::Release,
+        FaultReaction::Vent,
+        FaultReaction::Off,
+        FaultReaction::Lock,
     ]
-    .map(|way| {
+    .map(|reaction| {
         table
-            .find(&format!("\n| `{way:?}` |"))
-            .unwrap_or_else(|| panic!("no {way:?}"))
+            .find(&format!("\n| `{reaction:?}` |"))
+            .unwrap_or_else(|| panic!("no {reaction:?}"))
     });
     assert!(places.is_sorted(), "{places:?}");
     assert_eq!(
-        rows("| way | what happens | how long | when |").len(),
+        rows("| reaction | what happens | how long | when |").len(),
         places.len()
     );
 }

@@ -64,7 +64,7 @@ impl Memory {
             image: Image::start(board, &mut self.flash, &mut *self.black_box),
             host: HostSession::new(1),
             sessions: 0,
-            unasked: Vec::new(),
+            unsolicited: Vec::new(),
         }
     }
 }
@@ -215,7 +215,7 @@ pub(crate) struct Machine<'a> {
     host: HostSession,
     sessions: u32,
     /// Unsolicited messages.
-    pub(crate) unasked: Vec<Reply>,
+    pub(crate) unsolicited: Vec<Reply>,
 }
 
 impl<'a> Machine<'a> {
@@ -296,7 +296,7 @@ impl<'a> Machine<'a> {
         let mut answer = None;
         while let Some(frame) = self.board().sent.pop_front() {
             match self.host.receive_frame(&frame).unwrap() {
-                Some(hil_protocol::Event::Unasked(reply)) => self.unasked.push(reply),
+                Some(hil_protocol::Event::Unsolicited(reply)) => self.unsolicited.push(reply),
                 other => answer = other,
             }
         }

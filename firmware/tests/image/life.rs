@@ -2,7 +2,7 @@
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;
-use firmware::{Event, Farewell, Life, Pace, Retained};
+use firmware::{Event, Life, Pace, ResetReason, Retained};
 use hil_protocol::{BlackBoxStatus, Reply, Request, ResetCause, SettingsSource};
 
 use crate::bench::{Deed, Memory};
@@ -29,7 +29,7 @@ fn a_cold_start_says_that_the_supply_came_and_that_nothing_was_saved() {
     let started = Event::Started {
         boot: 0,
         cause: ResetCause::PowerOn,
-        farewell: None,
+        reset_reason: None,
     };
     assert_eq!(machine.board().events.first(), Some(&started));
     let identity = machine.hello(false);
@@ -42,14 +42,14 @@ fn a_cold_start_says_that_the_supply_came_and_that_nothing_was_saved() {
 /// The handlers of panic, fault and watchdog store their reason and reset the machine.
 #[test]
 fn the_next_life_tells_why_the_last_one_ended() {
-    for (farewell, cause) in [
-        (Farewell::Panic { line: 42 }, ResetCause::Panic),
-        (Farewell::Exception { pc: 0x1234 }, ResetCause::Exception),
-        (Farewell::Watchdog, ResetCause::Watchdog),
+    for (reset_reason, cause) in [
+        (ResetReason::Panic { line: 42 }, ResetCause::Panic),
+        (ResetReason::Exception { pc: 0x1234 }, ResetCause::Exception),
+        (ResetReason::Watchdog, ResetCause::Watchdog),
     ] {
         let mut memory = Memory::cold();
         memory.start().ticks(3);
-        Retained::new(&memory.retained).say(farewell);
+        Retained::new(&memory.retained).say(reset_reason);
         let identity = memory.start().hello(false);
         assert_eq!((identity.reset_cause, identity.boot), (cause, 1));
         // The second run stored no reason.
@@ -107,7 +107,7 @@ fn the_black_box_is_kept_over_a_warm_reset_and_lost_with_the_supply() {
     machine.ticks(20);
     machine.board().inputs.pressure = None;
     machine.ticks(10);
-    Retained::new(&memory.retained).say(Farewell::Watchdog);
+    Retained::new(&memory.retained).say(ResetReason::Watchdog);
 
     let mut machine = memory.start();
     machine.hello(false);

@@ -31,7 +31,7 @@ fn signals_of_ecu_and_image_come_with_each_sample_in_the_order_they_were_asked_f
         let _ = machine.image.turn();
     }
     machine.ask(&Request::Counters);
-    let told = machine.unasked.iter().map(|reply| match reply {
+    let told = machine.unsolicited.iter().map(|reply| match reply {
         Reply::Measured { sample, values } => (*sample, values.to_vec()),
         other => panic!("{other:?}"),
     });
@@ -46,10 +46,10 @@ fn signals_of_the_image_alone_come_with_each_sample_too() {
     machine.hello(false);
     assert_eq!(machine.measure(&[id("ticks_missed")]), Reply::Done);
     machine.ticks(2);
-    assert_eq!(machine.unasked.len(), 2);
+    assert_eq!(machine.unsolicited.len(), 2);
     assert_eq!(machine.measure(&[]), Reply::Done);
     machine.ticks(2);
-    assert_eq!(machine.unasked.len(), 2);
+    assert_eq!(machine.unsolicited.len(), 2);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn a_host_does_not_get_what_the_one_before_it_asked_for() {
     machine.measure(&[id("ticks_missed"), SignalId::Mode as u16]);
     machine.hello(false);
     machine.ticks(2);
-    assert!(machine.unasked.is_empty());
+    assert!(machine.unsolicited.is_empty());
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn a_signal_that_does_not_exist_is_refused_and_changes_nothing() {
         assert_eq!(reply, refused(unknown, last));
     }
     machine.ticks(1);
-    assert_eq!(machine.unasked.len(), 1);
+    assert_eq!(machine.unsolicited.len(), 1);
 }
 
 #[test]

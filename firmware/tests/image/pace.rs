@@ -161,7 +161,7 @@ fn with_the_pace_the_sensors_come_back() {
     machine.hello(false);
     machine.measure(&[SignalId::Battery as u16]);
     machine.ticks(1);
-    assert_eq!(first_value(&machine.unasked[0]), 24_000);
+    assert_eq!(first_value(&machine.unsolicited[0]), 24_000);
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn the_time_between_two_samples_is_the_clocks_and_not_the_nominal_one() {
     machine.board().wait_us(250);
     let _ = machine.image.turn();
     machine.ticks(1);
-    let elapsed: Vec<i32> = machine.unasked.iter().map(first_value).collect();
+    let elapsed: Vec<i32> = machine.unsolicited.iter().map(first_value).collect();
     let period = PERIOD_US as i32;
     assert_eq!(elapsed, [period, period + 250, period - 250]);
 }

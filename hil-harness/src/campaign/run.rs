@@ -8,7 +8,7 @@ use super::class::FaultClass;
 use super::driver::{Drive, lead_in_samples};
 use super::injection::Injection;
 use super::injector::{Injector, Now};
-use super::oracle::{Oracle, Seen, Violation};
+use super::oracle::{Observation, Oracle, Violation};
 use super::target::{Reaction, Target};
 use super::{ecu, image, link, plant, sensor};
 use crate::device::DutError;
@@ -84,7 +84,7 @@ pub fn run(injection: &Injection, target: &mut dyn Target) -> Result<Outcome, Ca
 pub fn run_watched(
     injection: &Injection,
     target: &mut dyn Target,
-    watch: &mut dyn FnMut(&Seen, &wire::Telemetry),
+    watch: &mut dyn FnMut(&Observation, &wire::Telemetry),
 ) -> Result<Outcome, CampaignError> {
     let drive = Drive::of(injection);
     let scenario = scenario(injection, &drive).map_err(|error| CampaignError::Rig {
@@ -102,7 +102,7 @@ fn judged(
     drive: &Drive,
     scenario: &Scenario,
     target: &mut dyn Target,
-    watch: &mut dyn FnMut(&Seen, &wire::Telemetry),
+    watch: &mut dyn FnMut(&Observation, &wire::Telemetry),
 ) -> Result<Outcome, DutError> {
     let mut world = World::new(scenario);
     let mut injector = injector(injection, &scenario.plant);
@@ -144,7 +144,7 @@ fn judged(
             duty_fill,
             duty_vent,
         } = answer.actuators;
-        let seen = Seen {
+        let observation = Observation {
             sensors,
             coils: [duty_fill, duty_vent].map(wire::duty_pct),
             pressure_bar: world.pressure_bar(),
@@ -154,8 +154,8 @@ fn judged(
             is_released,
         };
         starts = false;
-        oracle.see(&seen);
-        watch(&seen, &answer.telemetry);
+        oracle.see(&observation);
+        watch(&observation, &answer.telemetry);
         if sample >= injection.onset && answer.telemetry.faults != 0 {
             latency = latency.or(Some(sample - injection.onset));
         }

@@ -15,8 +15,8 @@ pub struct Disturbed<T> {
     wire: T,
     /// One frame in this number is disturbed, for each kind.
     one_in: u32,
-    to_device: Way,
-    to_host: Way,
+    to_device: Direction,
+    to_host: Direction,
     /// Received part of an incomplete frame.
     begun: Vec<u8>,
     /// Bytes that the host has not taken yet.
@@ -38,14 +38,14 @@ pub struct Disturbances {
 
 /// One direction of the wire.
 #[derive(Debug)]
-struct Way {
+struct Direction {
     draws: Draws,
     disturbances: Disturbances,
     /// Late frames, with the number of newer ones that come before them.
     held: Vec<(u32, Vec<u8>)>,
 }
 
-impl Way {
+impl Direction {
     fn new(seed: u64) -> Self {
         Self {
             draws: Draws::new(Random::new(seed, Stream::Wire)),
@@ -91,7 +91,7 @@ impl<T: Transport> Disturbed<T> {
     /// Creates a bad wire in place of a good one: of `one_in` frames in each direction, on average one is lost, one
     /// damaged, one repeated and one late.
     pub fn new(wire: T, seed: u64, one_in: u32) -> Self {
-        let [to_device, to_host] = [seed, !seed].map(Way::new);
+        let [to_device, to_host] = [seed, !seed].map(Direction::new);
         Self {
             wire,
             one_in,

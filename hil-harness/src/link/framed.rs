@@ -202,7 +202,7 @@ impl<T: Transport> Framed<T> {
 
     /// Stores an unsolicited measurement; a reply of an earlier session is dropped.
     fn keep(&mut self, event: Event) {
-        if let Event::Unasked(Reply::Measured { sample, values }) = event {
+        if let Event::Unsolicited(Reply::Measured { sample, values }) = event {
             self.measured.push_back((sample, values));
         }
     }

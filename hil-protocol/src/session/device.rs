@@ -72,7 +72,11 @@ impl DeviceSession {
     /// Encodes an unsolicited frame ([`Reply::Measured`]), for a timer that runs the control task.
     ///
     /// Returns `None` without a session, or if the message does not fit.
-    pub fn unasked<'a>(&self, reply: &Reply, buffer: &'a mut [u8; FRAME_MAX]) -> Option<&'a [u8]> {
+    pub fn unsolicited<'a>(
+        &self,
+        reply: &Reply,
+        buffer: &'a mut [u8; FRAME_MAX],
+    ) -> Option<&'a [u8]> {
         let session = self.conversation.session?;
         let header = to_host(session.number, session.sequence);
         frame::encode(header, reply, buffer).ok()

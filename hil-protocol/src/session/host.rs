@@ -29,7 +29,7 @@ pub enum Event {
     /// Answer to the last request.
     Reply(Reply),
     /// Unsolicited message.
-    Unasked(Reply),
+    Unsolicited(Reply),
 }
 
 /// Reason why a session ended, or could not continue.
@@ -292,7 +292,7 @@ impl Conversation {
         match (reply, Place::of(sequence, self.sequence), self.phase) {
             // This applies to any request: a device that does not know the session now will not know it later.
             (Reply::Refused(refusal @ Refusal::NoSession), ..) => Err(self.ended(refusal)),
-            (reply @ Reply::Measured { .. }, ..) => Ok(Some(Event::Unasked(reply))),
+            (reply @ Reply::Measured { .. }, ..) => Ok(Some(Event::Unsolicited(reply))),
             (
                 Reply::Refused(refusal @ Refusal::Skipped { .. }),
                 Place::Same,

@@ -357,12 +357,15 @@ fn what_nobody_asked_for_disturbs_no_request() {
     };
     let frame = pair.sample(0);
     let mut buffer = [0; FRAME_MAX];
-    let unasked = pair
+    let unsolicited = pair
         .device_session
-        .unasked(&measured, &mut buffer)
+        .unsolicited(&measured, &mut buffer)
         .unwrap()
         .to_vec();
-    assert_eq!(pair.at_host(&unasked), Ok(Some(Event::Unasked(measured))));
+    assert_eq!(
+        pair.at_host(&unsolicited),
+        Ok(Some(Event::Unsolicited(measured)))
+    );
     let answer = pair.at_device(&frame).unwrap();
     assert!(matches!(pair.at_host(&answer), Ok(Some(Event::Reply(_)))));
 }
@@ -371,7 +374,7 @@ fn what_nobody_asked_for_disturbs_no_request() {
 fn nothing_is_sent_unasked_before_a_session() {
     let session = DeviceSession::new(1);
     let mut buffer = [0; FRAME_MAX];
-    assert_eq!(session.unasked(&Reply::Done, &mut buffer), None);
+    assert_eq!(session.unsolicited(&Reply::Done, &mut buffer), None);
 }
 
 #[test]

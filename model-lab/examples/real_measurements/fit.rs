@@ -62,19 +62,19 @@ pub(crate) fn simulate(
     if let Some(pressure) = initial_pressure(plant, log).expect("`p_ch` is a pressure") {
         replay.begin_showing(pressure);
     }
-    let mut courses = vec![Vec::with_capacity(inputs.len()); measured.len()];
+    let mut traces = vec![Vec::with_capacity(inputs.len()); measured.len()];
     for input in inputs {
         let row = replay.row(input);
-        for (course, signal) in courses.iter_mut().zip(measured) {
-            course.push(row[signal.place]);
+        for (trace, signal) in traces.iter_mut().zip(measured) {
+            trace.push(row[signal.place]);
         }
     }
-    courses
+    traces
 }
 
 /// Returns the root mean square of measured minus modelled, missing samples left out.
-pub(crate) fn rms(measured: &Measured, course: &[f64]) -> f64 {
-    let errors = measured.values.iter().zip(course).map(|(a, b)| a - b);
+pub(crate) fn rms(measured: &Measured, trace: &[f64]) -> f64 {
+    let errors = measured.values.iter().zip(trace).map(|(a, b)| a - b);
     let squares: Vec<f64> = errors.filter(|e| !e.is_nan()).map(|e| e * e).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
@@ -88,11 +88,11 @@ pub(crate) fn fit(
 ) -> PlantParameters {
     let residuals = |unknowns: &[f64]| -> Vec<f64> {
         let plant = with(start, names, unknowns);
-        let courses = simulate(&plant, log, measured);
-        let pairs = measured.iter().zip(&courses);
+        let traces = simulate(&plant, log, measured);
+        let pairs = measured.iter().zip(&traces);
         pairs
-            .flat_map(|(signal, course)| {
-                let errors = signal.values.iter().zip(course);
+            .flat_map(|(signal, trace)| {
+                let errors = signal.values.iter().zip(trace);
                 errors.map(|(a, b)| (a - b) / signal.weight)
             })
             .filter(|error| !error.is_nan())

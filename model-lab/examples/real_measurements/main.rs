@@ -50,7 +50,7 @@ fn write(rig: &Rig, first: &Outcome, last: &Outcome) {
     let measured = rig.measured(&log);
     for (n, signal) in measured.iter().enumerate() {
         let base = log.time_base_of(signal.name).expect("a signal of the log");
-        let course = |outcome: &'_ Outcome| {
+        let trace = |outcome: &'_ Outcome| {
             format!("{}: {} rms", outcome.model, significant(outcome.rms[n].1))
         };
         let picture = Picture {
@@ -62,9 +62,9 @@ fn write(rig: &Rig, first: &Outcome, last: &Outcome) {
             },
             times_s: base.times_s(),
             measured: &signal.values,
-            courses: vec![
-                (course(first), "#c0392b", &first.courses[n]),
-                (course(last), "#1f6fb2", &last.courses[n]),
+            traces: vec![
+                (trace(first), "#c0392b", &first.traces[n]),
+                (trace(last), "#1f6fb2", &last.traces[n]),
             ],
         };
         let path = format!("docs/pictures/{}-{}.svg", rig.name, signal.name);

@@ -14,7 +14,7 @@ pub(crate) struct Picture<'a> {
     /// Measured values, NaN where missing.
     pub(crate) measured: &'a [f64],
     /// Name, colour and values of each model's trace.
-    pub(crate) courses: Vec<(String, &'static str, &'a [f64])>,
+    pub(crate) traces: Vec<(String, &'static str, &'a [f64])>,
 }
 
 const SIZE: [f64; 2] = [720.0, 380.0];
@@ -28,7 +28,7 @@ impl Picture<'_> {
         let [width, height] = SIZE;
         let [left, right, top, bottom] = MARGINS;
         let all = || {
-            let values = self.courses.iter().flat_map(|(_, _, values)| values.iter());
+            let values = self.traces.iter().flat_map(|(_, _, values)| values.iter());
             values
                 .chain(self.measured)
                 .copied()
@@ -92,7 +92,7 @@ impl Picture<'_> {
         }
         let legend = [("measured".to_owned(), "#444")];
         let models = self
-            .courses
+            .traces
             .iter()
             .map(|(name, colour, _)| (name.clone(), *colour));
         for (n, (name, colour)) in legend.into_iter().chain(models).enumerate() {
@@ -103,7 +103,7 @@ impl Picture<'_> {
                 width - right - 8.0
             );
         }
-        for (_, colour, values) in &self.courses {
+        for (_, colour, values) in &self.traces {
             let points = self.times_s.iter().zip(*values);
             let points: Vec<_> = points
                 .map(|(t, v)| format!("{:.1},{:.1}", x(*t), y(*v)))

@@ -52,7 +52,7 @@ pub(crate) struct Outcome {
     /// Rms error of each signal, in the unit of the signal.
     pub(crate) rms: Vec<(&'static str, f64)>,
     /// Trace of each signal in the model.
-    pub(crate) courses: Vec<Vec<f64>>,
+    pub(crate) traces: Vec<Vec<f64>>,
 }
 
 const AREA: &str = "effects.chamber_leak.area_m2";
@@ -252,16 +252,16 @@ impl Rig {
         let measured = self.measured(&log);
         let outcome = |model: &Model| {
             let plant = fit(&self.begin(model), &log, &measured, model.fitted);
-            let courses = simulate(&plant, &log, &measured);
-            let errors = measured.iter().zip(&courses);
+            let traces = simulate(&plant, &log, &measured);
+            let errors = measured.iter().zip(&traces);
             Outcome {
                 model: model.name,
                 fitted: model.fitted,
                 rms: errors
-                    .map(|(signal, course)| (signal.name, rms(signal, course)))
+                    .map(|(signal, trace)| (signal.name, rms(signal, trace)))
                     .collect(),
                 plant,
-                courses,
+                traces,
             }
         };
         self.models.iter().map(outcome).collect()

@@ -63,7 +63,7 @@ fn against(plant: &PlantParameters, log: &Recording) -> Comparison {
 }
 
 fn excess_share(bin: &RegimeBin) -> f64 {
-    bin.short_horizon.as_ref().unwrap().excess_share.unwrap()
+    bin.one_step_ahead.as_ref().unwrap().excess_share.unwrap()
 }
 
 /// Returns the log with other signals: `change` gets name, unit and samples, and its result replaces them.
@@ -124,7 +124,7 @@ fn innovations_of_the_true_model_have_the_rms_that_theory_gives() {
             ..CompareOptions::default()
         };
         let comparison = compare(&PlantParameters::nominal(), &log, &options).unwrap();
-        let short = signal(&comparison, "p_ch").short_horizon.clone().unwrap();
+        let short = signal(&comparison, "p_ch").one_step_ahead.clone().unwrap();
         let floor = signal(&comparison, "p_ch").noise_floor.value.unwrap();
         let theory = (2.0 / (2.0 - predictor_gain)).sqrt();
         assert!((short.expected_rms.unwrap() / floor - theory).abs() < 1e-12);
@@ -140,20 +140,20 @@ fn a_small_fill_orifice_leaves_the_excess_in_filling_where_measured_is_lower() {
     let pressure = signal(&comparison, "p_ch");
     let filling = bin(pressure, "valve_state", "filling");
     assert!(excess_share(filling) > 0.9, "{filling:?}");
-    assert!(filling.short_horizon.as_ref().unwrap().bias < 0.0);
+    assert!(filling.one_step_ahead.as_ref().unwrap().bias < 0.0);
     assert!(excess_share(bin(pressure, "pressure_trend", "rising")) > 0.9);
     let sentence = &pressure.finding.sentence;
     assert!(
         sentence.contains("filling") && sentence.ends_with("measured lower than modelled"),
         "{sentence}"
     );
-    assert_eq!(pressure.finding.horizon, Horizon::ShortHorizon);
+    assert_eq!(pressure.finding.horizon, Horizon::OneStepAhead);
     assert_eq!(comparison.verdict.failing, ["p_ch"]);
     assert!(!comparison.verdict.holds);
 }
 
 #[test]
-fn free_run_shares_smear_into_holds_and_short_horizon_shares_do_not() {
+fn free_run_shares_smear_into_holds_and_one_step_ahead_shares_do_not() {
     let comparison = against_nominal(&rig_with("flow.discharge_vent", 0.97 * 1.2).measure());
     let shut = bin(
         signal(&comparison, "p_ch"),
@@ -174,7 +174,7 @@ fn a_leak_leaves_most_of_the_excess_in_holds() {
     let pressure = signal(&comparison, "p_ch");
     let shut = bin(pressure, "valve_state", "both valves shut");
     assert!(excess_share(shut) > 0.6, "{shut:?}");
-    assert!(shut.short_horizon.as_ref().unwrap().bias < 0.0, "{shut:?}");
+    assert!(shut.one_step_ahead.as_ref().unwrap().bias < 0.0, "{shut:?}");
     // The floor comes from the same holds and must not contain the leak.
     assert!(
         (pressure.noise_floor.value.unwrap() / 4.26e-3 - 1.0).abs() < 0.1,
@@ -323,10 +323,10 @@ fn without_pressure_there_is_a_free_run_only() {
         comparison
             .signals
             .iter()
-            .all(|signal| signal.short_horizon.is_none())
+            .all(|signal| signal.one_step_ahead.is_none())
     );
     assert_eq!(comparison.signals[0].finding.horizon, Horizon::FreeRun);
-    assert!(comparison.traces.short_horizon.signals().is_empty());
+    assert!(comparison.traces.one_step_ahead.signals().is_empty());
 }
 
 #[test]

@@ -10,7 +10,6 @@ use super::effect_unknown::EffectUnknown;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
-use super::ladder::Ladder;
 use super::log::{Log, Run};
 use super::plausibility::{Practice, plausibility};
 use super::result::{
@@ -18,6 +17,7 @@ use super::result::{
     Regime, Step, StepKind, Verdict,
 };
 use super::search::Tried;
+use super::selection::Selection;
 use super::trial::{Bench, Trial};
 use super::unknowns::{AT_BOUND, Unknown};
 use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
@@ -36,18 +36,18 @@ pub(crate) const OUTSIDE: &str =
     "lies outside of what the plant file admits: measure it, and correct the file";
 
 /// Returns one row per step, the plant as given first.
-pub(crate) fn ladder(bench: &Bench, ladder: &Ladder) -> Vec<Step> {
-    let refitted = ladder.within.as_ref().unwrap_or(&ladder.steps[0]);
+pub(crate) fn error_steps(bench: &Bench, found: &Selection) -> Vec<Step> {
+    let refitted = found.within.as_ref().unwrap_or(&found.steps[0]);
     let given = bench.as_given();
     let given = given.iter().map(|given| (StepKind::PlantAsGiven, given));
-    let refits = match &ladder.within {
+    let refits = match &found.within {
         Some(within) => vec![
             (StepKind::ParametersRefitted, within),
-            (StepKind::RangesWidened, &ladder.steps[0]),
+            (StepKind::RangesWidened, &found.steps[0]),
         ],
-        None => vec![(StepKind::ParametersRefitted, &ladder.steps[0])],
+        None => vec![(StepKind::ParametersRefitted, &found.steps[0])],
     };
-    let effects = ladder.steps[1..].iter();
+    let effects = found.steps[1..].iter();
     let effects = effects.map(|trial| (StepKind::EffectAdded, trial));
     given
         .chain(refits)
@@ -162,16 +162,16 @@ fn is_size_open(parameter: &FittedParameter) -> bool {
 /// Returns the effects that cannot be distinguished from each named effect, and the distances of all others.
 #[expect(clippy::type_complexity, reason = "two maps of the JSON")]
 pub(crate) fn equivalents(
-    ladder: &Ladder,
+    found: &Selection,
 ) -> (
     BTreeMap<String, Vec<String>>,
     BTreeMap<String, BTreeMap<String, f64>>,
 ) {
-    let last = ladder.steps.last().expect("at least the plain plant");
+    let last = found.steps.last().expect("at least the plain plant");
     let left = last.mean_excess();
     let mut equivalents = BTreeMap::new();
     let mut distances = BTreeMap::new();
-    for (step, rivals) in ladder.steps[1..].iter().zip(&ladder.rivals) {
+    for (step, rivals) in found.steps[1..].iter().zip(&found.rivals) {
         let named = step.effects.last().expect("a step adds an effect").id();
         // Without the named effect, at least the excess of the next best effect remains.
         let without = rivals
@@ -341,7 +341,7 @@ impl<'a> From<&'a Diagnosis> for Answer<'a> {
             verdict: diagnosis.verdict,
             is_unexplained: diagnosis.unexplained,
             is_converged: diagnosis.is_converged,
-            steps: &diagnosis.ladder,
+            steps: &diagnosis.error_steps,
             candidates: &diagnosis.candidates,
             outside: &diagnosis.outside,
             rival_effects: &diagnosis.rival_effects,

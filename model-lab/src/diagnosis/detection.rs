@@ -28,7 +28,7 @@ pub(crate) fn detection_limit(
     effect: &EffectSetting,
 ) -> DetectionLimit {
     let not_excited = || DetectionLimit::NotExcited {
-        manoeuvre: effect.effect().about().excited_by.to_owned(),
+        test_signal: effect.effect().about().excited_by.to_owned(),
     };
     let unknowns = base.unknowns.clone().with_effect(effect);
     let own = &unknowns.list()[base.unknowns.len()..];
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn an_effect_that_explains_a_part_of_the_error_is_excited_at_its_fitted_size() {
         let unseen = || DetectionLimit::NotExcited {
-            manoeuvre: "a hold".to_owned(),
+            test_signal: "a hold".to_owned(),
         };
         let area = FittedParameter {
             key: "area_m2".to_owned(),

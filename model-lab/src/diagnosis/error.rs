@@ -96,22 +96,22 @@ pub enum DiagnoseError {
     },
     /// No excitation can be simulated for the rivals in a bounded number of steps.
     #[error(
-        "none of the {manoeuvres} manoeuvres can be simulated in a bounded number of steps; \
+        "none of the {test_signals} test_signals can be simulated in a bounded number of steps; \
          check the plant file with `retarder simulate`, or plan with other limits"
     )]
-    NoManoeuvreSimulated {
+    NoTestSignalSimulated {
         /// Number of excitations that were tried.
-        manoeuvres: usize,
+        test_signals: usize,
     },
     /// The logs lack the signals in which the rivals show.
     #[error(
-        "the logs have {} alone, which show nothing of {} whatever is commanded, so that no manoeuvre is worth planning; \
+        "the logs have {} alone, which show nothing of {} whatever is commanded, so that no test_signal is worth planning; \
          log {} of this rig as well and give that log with --log",
         logged.join(" and "),
         effects.join(" and "),
         unlogged(logged).join(" or ")
     )]
-    NoManoeuvreShows {
+    NoTestSignalShows {
         /// Ids of the rivals.
         effects: Vec<String>,
         /// Signals that the logs have.
@@ -119,9 +119,9 @@ pub enum DiagnoseError {
     },
     /// No excitation satisfies the limits.
     #[error(
-        "no manoeuvre of at most {duration_s} s keeps below {max_bar} bar with duty cycles up to {max_duty_pct} %; allow more"
+        "no test signal of at most {duration_s} s keeps below {max_bar} bar with duty cycles up to {max_duty_pct} %; allow more"
     )]
-    NoManoeuvre {
+    NoTestSignal {
         /// Longest time (s).
         duration_s: f64,
         /// Highest chamber pressure (bar gauge).

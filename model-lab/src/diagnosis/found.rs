@@ -12,11 +12,11 @@ use plant_sim::effects::Effect;
 use super::assemble;
 use super::error::DiagnoseError;
 use super::known::may_be_beside_first_file;
-use super::ladder::{self, Ladder};
 use super::result::Verdict;
 use super::search::{
     Effort, Tried, Watch, best_forms, finish_begun, report, shows_in_currents, try_all,
 };
+use super::selection::{self, Selection};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
@@ -28,7 +28,7 @@ pub(crate) fn find(
     library: &[&'static dyn Effect],
     plain: Trial,
     watch: Watch,
-) -> Result<Ladder, DiagnoseError> {
+) -> Result<Selection, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
     let adequate = wide.filter(Trial::leaves_little);
     let found = climb_from(split, plant, library, plain.clone(), watch)?;
@@ -63,15 +63,15 @@ fn climb_from(
     library: &[&'static dyn Effect],
     mut plain: Trial,
     watch: Watch,
-) -> Result<Ladder, DiagnoseError> {
-    let mut singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
+) -> Result<Selection, DiagnoseError> {
+    let mut singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
         if best.fitted.is_material()
             && let Some(there) = split.assign_by(best)
         {
             plain = split.plain_from(plant, &there)?;
-            singles = ladder::singles(&split.bench(plant, library), &plain, watch)?;
+            singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
         } else if split.find_checked_clocks(plant, best)? {
             let bench = split.bench(plant, library);
             plain = (bench.judged_anew(&plain)).ok_or_else(|| split.not_simulated())?;
@@ -85,13 +85,13 @@ fn climb_from(
         (plain, singles) = other;
     }
     let bench = split.bench(plant, library);
-    let found = ladder::climb(&bench, plain, singles, watch)?;
+    let found = selection::climb(&bench, plain, singles, watch)?;
     if found.verdict() != Verdict::NotInLibrary {
         return Ok(found);
     }
     let plain = &found.steps[0];
     match finish_begun(&bench, plain, &found.singles, watch)? {
-        Some(singles) => ladder::climb(&bench, plain.clone(), singles, watch),
+        Some(singles) => selection::climb(&bench, plain.clone(), singles, watch),
         None => Ok(found),
     }
 }
@@ -129,7 +129,7 @@ fn taken_otherwise(
         if least(&plain, &alone) >= bound {
             return Ok(None);
         }
-        alone.extend(ladder::singles(
+        alone.extend(selection::singles(
             &split.bench(plant, library),
             &plain,
             watch,

@@ -28,7 +28,7 @@ fn diagnosed(plant: &PlantParameters, log: Recording) -> Diagnosis {
 }
 
 fn kinds(diagnosis: &Diagnosis) -> Vec<StepKind> {
-    diagnosis.ladder.iter().map(|step| step.kind).collect()
+    diagnosis.error_steps.iter().map(|step| step.kind).collect()
 }
 
 /// Defect seen: a spring a third too soft imitated friction, left more than the friction, and was named in its place.
@@ -52,7 +52,7 @@ fn an_error_near_the_noise_does_not_show_that_physics_is_missing() {
     let plant = PlantParameters::nominal();
     let mut diagnosis = diagnosed(&plant, rig.measure());
     diagnosis.unexplained = true;
-    let signal = &mut diagnosis.ladder.last_mut().unwrap().check_rms;
+    let signal = &mut diagnosis.error_steps.last_mut().unwrap().check_rms;
     for rms in signal.values_mut() {
         *rms *= 1.1;
     }
@@ -85,7 +85,7 @@ fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
     ];
     assert_eq!(kinds(&diagnosis), steps);
     let errors: Vec<f64> = diagnosis
-        .ladder
+        .error_steps
         .iter()
         .map(|step| step.worst_in_noise())
         .collect();

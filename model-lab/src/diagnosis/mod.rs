@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (nuisance parameters within their
-//!         tolerances) ─► found (these tolerances widened, or search: all effects, all forms) ─► ladder (verdict) ─► result
+//!         tolerances) ─► found (these tolerances widened, or search: all effects, all forms) ─► selection (verdict) ─► result
 //! ```
 
 mod alternatives;
@@ -23,7 +23,6 @@ mod gather;
 mod interval;
 mod knowledge;
 mod known;
-mod ladder;
 mod log;
 mod log_unknown;
 mod logged_supply;
@@ -38,6 +37,7 @@ mod remaining;
 pub mod result;
 mod search;
 mod second_look;
+mod selection;
 mod sensor_noise;
 mod soundness;
 mod split;
@@ -180,7 +180,7 @@ fn diagnose_within(
         .par_iter()
         .map(|tried| assemble::candidate(&bench, plain, last, tried))
         .collect();
-    let ladder = assemble::ladder(&bench, &found);
+    let error_steps = assemble::error_steps(&bench, &found);
     let within = found.within.as_ref().unwrap_or(plain);
     let nuisance = assemble::nuisance(&bench, within, last);
     let outside = assemble::outside(within, found.alternative.as_ref().unwrap_or(last));
@@ -218,7 +218,7 @@ fn diagnose_within(
         sentence: String::new(),
         is_converged,
         rival_effects: found.rival_effects(),
-        effects: ladder
+        effects: error_steps
             .iter()
             .filter_map(|step| step.added.clone())
             .collect(),
@@ -226,7 +226,7 @@ fn diagnose_within(
         equivalents,
         distinguishability,
         nuisance,
-        ladder,
+        error_steps,
         outside,
         candidates,
         location: Location {

@@ -86,8 +86,8 @@ fn switching(parameters: &PlantParameters, commands: &Commands) -> Vec<bool> {
     let mut switching = vec![false; commands.len()];
     for valve in (0..2).filter(|&valve| parameters.functions[valve].has_coil()) {
         let mut quiet = vec![false; commands.len()];
-        for stretch in commands.dead_coil(valve, 0.0) {
-            quiet[stretch].fill(true);
+        for segment in commands.dead_coil(valve, 0.0) {
+            quiet[segment].fill(true);
         }
         for (switching, quiet) in switching.iter_mut().zip(&quiet) {
             *switching |= !quiet;

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 
 use super::assemble;
 use super::error::DiagnoseError;
-use super::ladder::Ladder;
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
 use super::search::{Tried, Watch, best_form, report};
+use super::selection::Selection;
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
@@ -22,7 +22,7 @@ use super::verdict::CLEARLY_LESS;
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
-pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/1";
+pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/2";
 
 /// Fitted plant with the result of the fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +37,7 @@ pub struct Refined {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
-    /// Name and version of this format, `retarder.refinement/1`.
+    /// Name and version of this format, `retarder.refinement/2`.
     pub schema: String,
     /// Sources of the training logs.
     pub logs: Vec<String>,
@@ -57,7 +57,7 @@ pub struct Refinement {
     /// The result in words.
     pub sentence: String,
     /// Error steps, beginning with the plant without the requested effects; one row per added effect.
-    pub ladder: Vec<Step>,
+    pub error_steps: Vec<Step>,
     /// Every effect of the refined plant.
     pub effects: Vec<FittedEffect>,
     /// Parameters that may differ from rig to rig without missing physics.
@@ -134,7 +134,7 @@ pub fn refine(
     if let [_, .., last] = steps.as_mut_slice() {
         last.polish(&bench).ok_or_else(|| split.not_simulated())?;
     }
-    let found = Ladder {
+    let found = Selection {
         steps,
         within: None,
         alternative: None,
@@ -143,7 +143,7 @@ pub fn refine(
         rivals: Vec::new(),
     };
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
-    let ladder = assemble::ladder(&bench, &found);
+    let error_steps = assemble::error_steps(&bench, &found);
     let effects = last
         .effects
         .iter()
@@ -156,10 +156,10 @@ pub fn refine(
         defects: split.defects(),
         warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
-        sentence: sentence(&ladder),
+        sentence: sentence(&error_steps),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
-        ladder,
+        error_steps,
         cost: split.cost(begin),
     };
     Ok(Refined {
@@ -231,9 +231,9 @@ fn fitted_effect(
     }
 }
 
-fn sentence(ladder: &[Step]) -> String {
-    let last = &ladder[ladder.len() - 1];
-    let added: Vec<String> = ladder
+fn sentence(error_steps: &[Step]) -> String {
+    let last = &error_steps[error_steps.len() - 1];
+    let added: Vec<String> = error_steps
         .iter()
         .filter_map(|step| step.added.as_ref())
         .map(|id| id.replace('_', " "))

@@ -11,7 +11,7 @@ pub use crate::result::{ClockSource, FoundClock, FoundStart};
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
-pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/1";
+pub const DIAGNOSIS_SCHEMA: &str = "retarder.diagnosis/2";
 
 /// Value per signal, such as `p_ch` in bar and `i_fill` in mA.
 pub type BySignal = BTreeMap<String, f64>;
@@ -20,7 +20,7 @@ pub type BySignal = BTreeMap<String, f64>;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Diagnosis {
-    /// Name and version of this format, `retarder.diagnosis/1`.
+    /// Name and version of this format, `retarder.diagnosis/2`.
     pub schema: String,
     /// Sources of the training logs.
     pub logs: Vec<String>,
@@ -62,7 +62,7 @@ pub struct Diagnosis {
     pub distinguishability: BTreeMap<String, BTreeMap<String, f64>>,
     /// Error steps: the plant as given, its ordinary parameters refitted, their ranges widened where that was tried,
     /// and one row per added effect.
-    pub ladder: Vec<Step>,
+    pub error_steps: Vec<Step>,
     /// Ordinary parameters with values outside the range of the plant file; together these values explain the error: in addition to
     /// the named effects where the error steps have a row of widened ranges, instead of them where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -175,7 +175,7 @@ impl StepKind {
     }
 }
 
-/// Error step: one row of the ladder.
+/// Error step: one row of the error_steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
@@ -293,7 +293,7 @@ pub enum DetectionLimit {
     /// No size that occurs in practice shows in these logs.
     NotExcited {
         /// Excitation that would show the effect.
-        manoeuvre: String,
+        test_signal: String,
     },
 }
 

@@ -17,7 +17,7 @@ const MUCH_NEARER: f64 = 0.5;
 /// Returns whether the `estimated` values, with the effects that `first` names, explain the logs so much better than those within the plant
 /// file's ranges that they justify a second search.
 pub(super) fn is_nearer(estimated: &Estimation, first: &Diagnosis) -> bool {
-    let pair = first.ladder.last().zip(estimated.steps.last());
+    let pair = first.error_steps.last().zip(estimated.steps.last());
     pair.is_some_and(|(first, estimated)| excess(estimated) <= MUCH_NEARER * excess(first))
 }
 
@@ -39,7 +39,7 @@ pub(super) fn relative_to_file(
     first: &Diagnosis,
     mut second: Diagnosis,
 ) -> Option<Diagnosis> {
-    let left = |of: &Diagnosis| of.ladder.last().map_or(f64::INFINITY, excess);
+    let left = |of: &Diagnosis| of.error_steps.last().map_or(f64::INFINITY, excess);
     if left(&second) > left(first) {
         return None;
     }
@@ -52,7 +52,7 @@ pub(super) fn relative_to_file(
         Verdict::Found => Verdict::Found,
         _ => return None,
     };
-    second.ladder = steps(first, &second);
+    second.error_steps = steps(first, &second);
     second.outside = outside;
     second.sentence = assemble::sentence(&Answer::from(&second));
     for value in &mut second.nuisance {
@@ -82,15 +82,15 @@ fn steps(first: &Diagnosis, second: &Diagnosis) -> Vec<Step> {
         )
     };
     let begin = second
-        .ladder
+        .error_steps
         .iter()
         .rposition(|step| step.added.is_none())
         .unwrap_or(0);
-    let mut beyond = second.ladder[begin..].to_vec();
+    let mut beyond = second.error_steps[begin..].to_vec();
     if let Some(estimated) = beyond.first_mut() {
         estimated.kind = StepKind::RangesWidened;
     }
-    let of_file = first.ladder.iter().filter(of_file).cloned();
+    let of_file = first.error_steps.iter().filter(of_file).cloned();
     of_file.chain(beyond).collect()
 }
 

@@ -178,7 +178,7 @@ fn a_supply_line_and_a_sensor_offset_are_both_found() {
     .unwrap();
     assert_eq!(diagnosis.effects, ["supply_line_droop", "sensor_offset"]);
     let mut added = diagnosis
-        .ladder
+        .error_steps
         .iter()
         .filter_map(|step| step.variant.as_deref());
     assert_eq!(added.next(), Some("line_volume"));

@@ -373,7 +373,7 @@ impl Trial {
     }
 
     /// Returns whether a strength reached the end of its range: a distorted law in the place of another one.
-    fn is_bent(&self) -> bool {
+    fn is_distorted(&self) -> bool {
         let coordinates = self.unknowns.list().iter().zip(self.fit.z.iter());
         coordinates
             .filter(|(unknown, _)| unknown.is_strength())
@@ -384,8 +384,8 @@ impl Trial {
     /// can be. Otherwise Schwarz's criterion decides, with the longer autocorrelation time of the two errors for both: the better a form
     /// fits, the more correlated is the error that other effects leave, and this must not count against it.
     pub(crate) fn is_preferred_to(&self, other: &Self) -> bool {
-        if self.is_bent() != other.is_bent() {
-            return other.is_bent();
+        if self.is_distorted() != other.is_distorted() {
+            return other.is_distorted();
         }
         let memory = self.correlation_samples.max(other.correlation_samples);
         self.evidence_with_memory(other, memory) > 0.0
@@ -436,7 +436,7 @@ mod tests {
     /// Defect seen: a winding with a body, distorted to the ends of their ranges, fitted better than the one body that warms, and kept it
     /// from being tried together with another effect.
     #[test]
-    fn a_bent_form_stands_in_no_other_ones_way() {
+    fn a_distorted_form_stands_in_no_other_ones_way() {
         let plant = PlantParameters::nominal();
         let phases = vec![(0.5, 0.0, 0.0), (0.1, 100.0, 0.0), (0.5, 0.0, 0.0)];
         let log = Rig {
@@ -460,10 +460,10 @@ mod tests {
             bench.judge(effects.clone(), unknowns.clone(), fit).unwrap()
         };
         let [good, poor] = [100.0, 200.0].map(|cost| of_size(1.0, cost));
-        let [bent, worse] = [10.0, 20.0].map(|cost| of_size(f64::INFINITY, cost));
-        assert!(poor.is_preferred_to(&bent) && !bent.is_preferred_to(&poor));
+        let [distorted, worse] = [10.0, 20.0].map(|cost| of_size(f64::INFINITY, cost));
+        assert!(poor.is_preferred_to(&distorted) && !distorted.is_preferred_to(&poor));
         assert!(good.is_preferred_to(&poor) && !poor.is_preferred_to(&good));
-        assert!(bent.is_preferred_to(&worse) && !worse.is_preferred_to(&bent));
+        assert!(distorted.is_preferred_to(&worse) && !worse.is_preferred_to(&distorted));
     }
 
     /// Defect seen: the coordinates of a trial were taken relative to conditions that the logs were given later.

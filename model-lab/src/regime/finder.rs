@@ -53,7 +53,7 @@ pub(crate) fn find(
     if !excess.is_significant() {
         let ahead = match horizon {
             Horizon::FreeRun => "",
-            Horizon::ShortHorizon => "one step ahead, ",
+            Horizon::OneStepAhead => "one step ahead, ",
         };
         return none(&format!("{ahead}{}", excess.in_words()));
     }
@@ -297,7 +297,7 @@ mod tests {
             &features.dimensions(),
             &features,
             &Excess::new(Residual::new(&residual, &[0.0; 6000]), 1.0, 1000.0),
-            Horizon::ShortHorizon,
+            Horizon::OneStepAhead,
         )
     }
 

@@ -21,12 +21,12 @@ use crate::result::{Placement, RegimeBin, RegimeShares};
 /// Returns the shares in each bin of `dimension`.
 pub(crate) fn shares(
     dimension: &Dimension,
-    short_horizon: Option<&Excess>,
+    one_step_ahead: Option<&Excess>,
     free_run: &Excess,
 ) -> RegimeShares {
     let free_run_sums = free_run.sums(&dimension.bin_of, dimension.bins.len());
     let short_sums =
-        short_horizon.map(|excess| excess.sums(&dimension.bin_of, dimension.bins.len()));
+        one_step_ahead.map(|excess| excess.sums(&dimension.bin_of, dimension.bins.len()));
     let compared = free_run_sums.iter().map(|sums| sums.count).sum::<usize>();
     let bins = dimension
         .bins
@@ -41,7 +41,7 @@ pub(crate) fn shares(
                 label: bin.label.clone(),
                 samples: free_run_sums[index].count,
                 sample_share: free_run_sums[index].count as f64 / compared as f64,
-                short_horizon: short_horizon
+                one_step_ahead: one_step_ahead
                     .zip(short_sums.as_ref())
                     .map(|(excess, sums)| excess.bin_error(&sums[index])),
                 free_run: free_run.bin_error(&free_run_sums[index]),

@@ -74,7 +74,7 @@ pub(crate) fn compared(log: &Recording) {
     let free = free.expect("what is compared has a free run");
     assert_eq!(free.errors.len(), found.signals.len());
     for (signal, free) in found.signals.iter().zip(&free.errors) {
-        let errors = [Some(&signal.free_run), signal.short_horizon.as_ref()];
+        let errors = [Some(&signal.free_run), signal.one_step_ahead.as_ref()];
         for error in errors.into_iter().flatten() {
             let figures = [error.rms, error.worst, error.bias, error.worst_time_s];
             assert!(

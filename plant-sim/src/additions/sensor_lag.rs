@@ -21,7 +21,7 @@ impl SensorLag {
     ) -> [f64; 2] {
         // u = a + b s + c s² + d s³ with s = t/h.
         let rise = end - start;
-        let course = [
+        let trace = [
             h * start_rate,
             3.0 * rise - h * (2.0 * start_rate + end_rate),
             h * (start_rate + end_rate) - 2.0 * rise,
@@ -29,7 +29,7 @@ impl SensorLag {
         let z = h / self.time_constant;
         let once = responses(z);
         let after = |shown: f64, to: &[f64]| {
-            let pairs = course.iter().zip(&to[1..]);
+            let pairs = trace.iter().zip(&to[1..]);
             shown + (start - shown) * to[0] + pairs.map(|(c, to)| c * to).sum::<f64>()
         };
         let first = after(shown[0], &once);

@@ -20,8 +20,8 @@ fn about_missing_command(name: &str, present: &[String], meant: &[String]) -> St
 
 impl ReplayError {
     /// Creates the error of a simulation that was aborted before the row at `time_ns`.
-    pub fn given_up(time_ns: u64) -> Self {
-        Self::GivenUp {
+    pub fn aborted(time_ns: u64) -> Self {
+        Self::Aborted {
             time_s: time_ns as f64 * 1e-9,
         }
     }
@@ -35,7 +35,7 @@ pub enum ReplayError {
         "the plant cannot be simulated on this log in a bounded number of steps: given up {time_s} s after its begin; \
          bring the parameters nearer to sizes that are met in practice, and look at the supply voltage and the time there"
     )]
-    GivenUp {
+    Aborted {
         /// Time since the start of the log (s).
         time_s: f64,
     },

@@ -66,7 +66,7 @@ impl<P: Physics> Solver<P> {
 
         let pressure = span.pressure();
         let force = |index: usize, t: f64| {
-            self.physics.departing_force_within(
+            self.physics.breakaway_force_within(
                 index,
                 &self.state.valves[index],
                 (smooth, span),

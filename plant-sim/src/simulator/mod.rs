@@ -186,8 +186,8 @@ impl Simulator {
 
     /// Returns whether the simulation was aborted: the limit of the work is reached, or a rate is NaN, which a
     /// user-defined law may cause. Samples show NaN then.
-    pub fn is_given_up(&self) -> bool {
-        either!(&self.engine, solver => solver.is_given_up())
+    pub fn is_aborted(&self) -> bool {
+        either!(&self.engine, solver => solver.is_aborted())
     }
 
     /// Commands duty cycles now; they take effect after the command delay.
@@ -301,7 +301,7 @@ impl Simulator {
             temperature,
         };
         self.last_sample_ns = self.time_ns;
-        if self.is_given_up() {
+        if self.is_aborted() {
             Sample::unknown(self.time_ns)
         } else {
             known

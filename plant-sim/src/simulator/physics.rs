@@ -64,7 +64,7 @@ pub(super) trait Physics: Sized {
     /// Returns the breakaway force of a resting armature (N): it is released if the force is positive. `current` is the
     /// current that causes the magnetic force, `extra` the states of effects.
     #[inline(always)]
-    fn departing_force(
+    fn breakaway_force(
         &self,
         index: usize,
         valve: &ValveState,
@@ -73,18 +73,18 @@ pub(super) trait Physics: Sized {
         _extra: &[f64],
     ) -> f64 {
         let drop = self.plant().pressure_drop(index, pressure);
-        self.plant().valves[index].departing_force(valve.motion, valve.x, current, drop)
+        self.plant().valves[index].breakaway_force(valve.motion, valve.x, current, drop)
     }
 
     /// Returns the breakaway force in the present state.
     #[inline(always)]
-    fn departing_force_now(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
-        self.departing_force(index, valve, valve.current, pressure, &[])
+    fn breakaway_force_now(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
+        self.breakaway_force(index, valve, valve.current, pressure, &[])
     }
 
     /// Returns the breakaway force at `time` within a step, at the pressure `pressure`.
     #[inline(always)]
-    fn departing_force_within<const N: usize, const M: usize>(
+    fn breakaway_force_within<const N: usize, const M: usize>(
         &self,
         index: usize,
         valve: &ValveState,
@@ -92,7 +92,7 @@ pub(super) trait Physics: Sized {
         (pressure, current): (&Cubic, &RestingCurrent),
         time: f64,
     ) -> f64 {
-        self.departing_force(index, valve, current.at(time), pressure.at(time), &[])
+        self.breakaway_force(index, valve, current.at(time), pressure.at(time), &[])
     }
 
     /// Returns the direction in which a live armature moves: 1 or -1, and 0 at rest. Only friction needs the sign.

@@ -34,7 +34,7 @@ const NEAR_INSTABILITY_AT_REST: f64 = 0.5;
 /// Lengths (s) of explicit steps below which the method for stiff plants takes fewer: without and with live valves.
 const SHORT_STEPS: [f64; 2] = [0.25 * LONGEST_STRAIGHT_STEP, 0.5 * LONGEST_STIFF_STEP];
 /// Minimum excess of steps at the stability limit over steps below it for the plant to count as stiff.
-const STIFF: u32 = 15;
+const STIFF_STEPS_MIN: u32 = 15;
 /// Minimum number of steps between two events for a new decision whether the plant is stiff. After fewer steps the
 /// decision stays: otherwise events in quick succession would leave a stiff plant to the explicit method, whose noise
 /// causes more events.
@@ -101,14 +101,14 @@ impl<P: Physics> Solver<P> {
         }
     }
 
-    pub(super) fn is_given_up(&self) -> bool {
+    pub(super) fn is_aborted(&self) -> bool {
         self.has_no_step || self.statistics.work() >= self.work_limit
     }
 
     /// Advances through `duration` (s), in which no output changes.
     pub(super) fn advance(&mut self, duration: f64) {
         let mut remaining = duration;
-        while remaining > 0.0 && !self.is_given_up() {
+        while remaining > 0.0 && !self.is_aborted() {
             self.release_departing();
             let live =
                 [FILL, VENT].map(|index| self.physics.is_live(index, &self.state.valves[index]));
@@ -154,7 +154,7 @@ impl<P: Physics> Solver<P> {
             }
             let force = self
                 .physics
-                .departing_force_now(index, valve, self.state.pressure);
+                .breakaway_force_now(index, valve, self.state.pressure);
             if force > 0.0 {
                 valve.motion = Motion::Moving;
             }
@@ -165,8 +165,8 @@ impl<P: Physics> Solver<P> {
     /// integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
-        let course = self.physics.resting_pressure(areas, self.state.pressure);
-        let Some(pressure) = course.filter(|course| course.valid_for() > SHORTEST_EVENT) else {
+        let trace = self.physics.resting_pressure(areas, self.state.pressure);
+        let Some(pressure) = trace.filter(|trace| trace.valid_for() > SHORTEST_EVENT) else {
             return self.advance_pressure(remaining);
         };
         let currents = self.resting_currents();
@@ -176,7 +176,7 @@ impl<P: Physics> Solver<P> {
             let pressure = pressure.at(self.physics.plant(), t);
             let extra = self.physics.extra();
             self.physics
-                .departing_force(index, valve, currents[index].at(t), pressure, extra)
+                .breakaway_force(index, valve, currents[index].at(t), pressure, extra)
         };
         let (taken, departing) = match self.first_departure(limit, force) {
             Some((time, index)) => (time, Some(index)),
@@ -211,10 +211,10 @@ impl<P: Physics> Solver<P> {
     }
 
     /// Advances the current of a resting coil by `time` and accounts for its charge.
-    fn settle_current(&mut self, index: usize, course: &RestingCurrent, time: f64) {
+    fn settle_current(&mut self, index: usize, trace: &RestingCurrent, time: f64) {
         let valve = &mut self.state.valves[index];
-        let current = course.at(time);
-        let charge = course.charge(time, current);
+        let current = trace.at(time);
+        let charge = trace.charge(time, current);
         self.charge[index] += charge;
         let currents = [valve.current, current];
         self.physics
@@ -248,7 +248,7 @@ impl<P: Physics> Solver<P> {
                 self.apply(event);
                 // Reset only after an event: the end of a segment does not make a stiff plant less stiff.
                 if core::mem::take(&mut self.stretch) >= RECONSIDERED {
-                    self.stiffness = self.stiffness.min(STIFF - RECONSIDERED);
+                    self.stiffness = self.stiffness.min(STIFF_STEPS_MIN - RECONSIDERED);
                 }
                 // An event early in a step shows that the step was too long to resolve the motion around it: an
                 // armature that hovers at its seat would chatter.
@@ -294,7 +294,7 @@ impl<P: Physics> Solver<P> {
         remaining: f64,
     ) -> Option<(Span<N, M>, [f64; N])> {
         let kind = usize::from(M > 0);
-        let stiff = P::MAY_BE_STIFF && self.stiffness >= STIFF;
+        let stiff = P::MAY_BE_STIFF && self.stiffness >= STIFF_STEPS_MIN;
         let longest = match stiff {
             true if M == 0 && chord.is_some() => {
                 LONGEST_STRAIGHT_STEP.min(self.physics.longest_flow_step())
@@ -302,7 +302,7 @@ impl<P: Physics> Solver<P> {
             true => LONGEST_STIFF_STEP,
             false => [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind],
         };
-        while !self.is_given_up() {
+        while !self.is_aborted() {
             let h = self.proposal[kind].min(longest).min(remaining);
             let rates = |y: &[f64; N]| self.physics.rates(smooth, y);
             let step = if stiff {

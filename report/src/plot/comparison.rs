@@ -8,10 +8,10 @@ use recording::{Recording, Unit};
 use super::canvas::{
     self, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
-use super::course::Course;
 use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, signal_words};
+use super::trace::Trace;
 
 /// Width of the plot area (px).
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
@@ -33,16 +33,16 @@ pub(crate) fn comparison(
     window_s: Option<Range<f64>>,
 ) -> Result<Figure, PlotError> {
     let traces = &comparison.traces;
-    let modelled = Course::of(&traces.free_run, &signal.name);
-    let residual = Course::of_free_run_residual(traces, &signal.name);
-    let short_horizon = signal
-        .short_horizon
+    let modelled = Trace::of(&traces.free_run, &signal.name);
+    let residual = Trace::of_free_run_residual(traces, &signal.name);
+    let one_step_ahead = signal
+        .one_step_ahead
         .as_ref()
-        .zip(Course::of_short_horizon_residual(traces, &signal.name));
+        .zip(Trace::of_one_step_ahead_residual(traces, &signal.name));
     let window_s = window_s
-        .or_else(|| modelled.as_ref().map(Course::window_s))
+        .or_else(|| modelled.as_ref().map(Trace::window_s))
         .unwrap_or(0.0..1.0);
-    let residuals = 1 + i32::from(short_horizon.is_some());
+    let residuals = 1 + i32::from(one_step_ahead.is_some());
     let height_px = FIRST_TOP_PX
         + OVERLAY_PX
         + (residuals + 1) * BETWEEN_PX
@@ -70,24 +70,24 @@ pub(crate) fn comparison(
         overlay.draw(sheet, top_px, modelled.as_ref(), residual.as_ref())?;
         top_px += OVERLAY_PX + BETWEEN_PX;
         let runs = [
-            residual.map(|course| {
+            residual.map(|trace| {
                 (
                     "model driven by the duty cycles alone",
                     palette::MODEL,
                     &signal.free_run,
-                    course,
+                    trace,
                 )
             }),
-            short_horizon.map(|(summary, course)| {
+            one_step_ahead.map(|(summary, trace)| {
                 (
                     "model corrected by each measured pressure",
                     palette::SHORT_HORIZON,
                     summary,
-                    course,
+                    trace,
                 )
             }),
         ];
-        for (run, colour, summary, course) in runs.into_iter().flatten() {
+        for (run, colour, summary, trace) in runs.into_iter().flatten() {
             let residual = Residual {
                 run,
                 colour,
@@ -95,7 +95,7 @@ pub(crate) fn comparison(
                 unit: &signal.unit,
                 window_s: &window_s,
             };
-            residual.draw(sheet, top_px, course)?;
+            residual.draw(sheet, top_px, trace)?;
             top_px += RESIDUAL_PX + BETWEEN_PX;
         }
         duties(sheet, (LABELS_PX, top_px), PLOT_PX, log, &window_s)
@@ -108,7 +108,7 @@ const FEWEST_SAMPLES: f64 = 100.0;
 /// Returns the window of `length_s`, or of [`FEWEST_SAMPLES`], with the largest free-run residual of the signal `name`;
 /// `None` if the log is not longer.
 pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
-    let residual = Course::of_free_run_residual(&comparison.traces, name)?;
+    let residual = Trace::of_free_run_residual(&comparison.traces, name)?;
     let length_s = length_s.max(FEWEST_SAMPLES * residual.step_s());
     let all_s = residual.window_s();
     if all_s.end - all_s.start <= length_s {
@@ -147,11 +147,11 @@ pub(super) fn duties(
         ("duty_fill", "fill valve", palette::FILL),
         ("duty_vent", "vent valve", palette::VENT),
     ];
-    let courses: Vec<_> = commanded
+    let traces: Vec<_> = commanded
         .into_iter()
         .filter_map(|(name, valve, colour)| {
-            let course = Course::of_in(recording, name, Unit::Percent)?;
-            Some(((valve, colour), course))
+            let trace = Trace::of_in(recording, name, Unit::Percent)?;
+            Some(((valve, colour), trace))
         })
         .collect();
     let mut chart = sheet.panel(&Panel {
@@ -160,16 +160,16 @@ pub(super) fn duties(
         x: window_s.clone(),
         y: -4.0..104.0,
         x_caption: Some("time [s]"),
-        y_caption: if courses.is_empty() {
+        y_caption: if traces.is_empty() {
             "Duty cycle [%]: nothing is commanded"
         } else {
             "Duty cycle [%]"
         },
     })?;
-    let legend: Vec<_> = courses.iter().map(|(entry, _)| *entry).collect();
+    let legend: Vec<_> = traces.iter().map(|(entry, _)| *entry).collect();
     sheet.legend((corner.0 + width_px, corner.1 - 16), &legend)?;
-    for ((_, colour), course) in courses.iter().rev() {
-        chart.curve(&course.stairs(window_s, width_px as usize), *colour, 1.25)?;
+    for ((_, colour), trace) in traces.iter().rev() {
+        chart.curve(&trace.stairs(window_s, width_px as usize), *colour, 1.25)?;
     }
     Ok(())
 }
@@ -191,8 +191,8 @@ impl Overlay<'_> {
         &self,
         sheet: &Sheet<'_>,
         top_px: i32,
-        modelled: Option<&Course<'_>>,
-        residual: Option<&Course<'_>>,
+        modelled: Option<&Trace<'_>>,
+        residual: Option<&Trace<'_>>,
     ) -> Result<(), PlotError> {
         // Residuals are measured minus modelled, at the same instants.
         let measured = modelled
@@ -204,7 +204,7 @@ impl Overlay<'_> {
         ];
         let extent = curves
             .iter()
-            .filter_map(|(course, ..)| course.and_then(|course| course.extent(self.window_s)))
+            .filter_map(|(trace, ..)| trace.and_then(|trace| trace.extent(self.window_s)))
             .reduce(union);
         let mut chart = sheet.panel(&Panel {
             corner: (LABELS_PX, top_px),
@@ -218,10 +218,10 @@ impl Overlay<'_> {
             (LABELS_PX + PLOT_PX, top_px - 16),
             &[("measured", palette::INK), ("modelled", palette::MODEL)],
         )?;
-        for (course, colour, width_px) in curves {
-            if let Some(course) = course {
+        for (trace, colour, width_px) in curves {
+            if let Some(trace) = trace {
                 chart.curve(
-                    &course.lines(self.window_s, PLOT_PX as usize),
+                    &trace.lines(self.window_s, PLOT_PX as usize),
                     colour,
                     width_px,
                 )?;
@@ -240,15 +240,12 @@ struct Residual<'a> {
 }
 
 impl Residual<'_> {
-    fn draw(&self, sheet: &Sheet<'_>, top_px: i32, course: Course<'_>) -> Result<(), PlotError> {
+    fn draw(&self, sheet: &Sheet<'_>, top_px: i32, trace: Trace<'_>) -> Result<(), PlotError> {
         let unit = SmallUnit::of_errors_in(self.unit);
-        let course = course.times(unit.per_unit);
+        let trace = trace.times(unit.per_unit);
         let sigma = self.summary.expected_rms.map(|sigma| sigma * unit.per_unit);
         let band = 3.5 * sigma.unwrap_or(0.0);
-        let extent = union(
-            course.extent(self.window_s).unwrap_or(0.0..0.0),
-            -band..band,
-        );
+        let extent = union(trace.extent(self.window_s).unwrap_or(0.0..0.0), -band..band);
         let mut chart = sheet.panel(&Panel {
             corner: (LABELS_PX, top_px),
             size: (PLOT_PX, RESIDUAL_PX),
@@ -270,7 +267,7 @@ impl Residual<'_> {
         }
         chart.level(0.0, palette::AXIS)?;
         chart.curve(
-            &course.lines(self.window_s, PLOT_PX as usize),
+            &trace.lines(self.window_s, PLOT_PX as usize),
             self.colour,
             1.0,
         )
@@ -306,7 +303,7 @@ mod tests {
     #[test]
     fn the_excerpt_is_where_the_residual_is_largest() {
         let (_, comparison) = practice_log();
-        let residual = Course::of_free_run_residual(&comparison.traces, "p_ch").unwrap();
+        let residual = Trace::of_free_run_residual(&comparison.traces, "p_ch").unwrap();
         let squares_in = |window_s: &Range<f64>| -> f64 {
             let inside = residual
                 .squares()

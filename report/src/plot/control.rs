@@ -10,9 +10,9 @@ use super::canvas::{
     LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
 use super::comparison::{DUTIES_PX, duties, span};
-use super::course::Course;
 use super::figure::{Figure, PlotError};
 use super::palette;
+use super::trace::Trace;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const PRESSURE_PX: i32 = 250;
@@ -33,11 +33,11 @@ pub(crate) fn control(
     title: &str,
     window_s: Option<Range<f64>>,
 ) -> Result<Figure, PlotError> {
-    let pressure = Course::of_in(recording, "p_ch", Unit::BarGauge);
+    let pressure = Trace::of_in(recording, "p_ch", Unit::BarGauge);
     let window_s = window_s
-        .or_else(|| pressure.as_ref().map(Course::window_s))
+        .or_else(|| pressure.as_ref().map(Trace::window_s))
         .unwrap_or(0.0..1.0);
-    let lifts = ["x_fill", "x_vent"].map(|name| Course::of_in(recording, name, Unit::Millimetre));
+    let lifts = ["x_fill", "x_vent"].map(|name| Trace::of_in(recording, name, Unit::Millimetre));
     let has_lifts = lifts.iter().any(Option::is_some);
     let lifts_px = if has_lifts { LIFTS_PX + BETWEEN_PX } else { 0 };
     let height_px = FIRST_TOP_PX + PRESSURE_PX + BETWEEN_PX + lifts_px + DUTIES_PX + 46;
@@ -45,7 +45,7 @@ pub(crate) fn control(
     figure(WIDTH_PX, height_px, title.clone(), |sheet| {
         sheet.title(&title)?;
         let mut top_px = FIRST_TOP_PX;
-        let reference = Course::of_in(recording, "p_ref", Unit::BarGauge);
+        let reference = Trace::of_in(recording, "p_ref", Unit::BarGauge);
         pressures(
             sheet,
             top_px,
@@ -78,14 +78,14 @@ pub(crate) fn step_of_interest(verdict: &Verdict) -> Option<(&StepResponse, Rang
 fn pressures(
     sheet: &Sheet<'_>,
     top_px: i32,
-    [reference, pressure]: [Option<Course<'_>>; 2],
+    [reference, pressure]: [Option<Trace<'_>>; 2],
     tolerance_bar: f64,
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
     let extent = [&reference, &pressure]
         .into_iter()
         .flatten()
-        .filter_map(|course| course.extent(window_s))
+        .filter_map(|trace| trace.extent(window_s))
         .reduce(union)
         .unwrap_or(0.0..1.0);
     let mut chart = sheet.panel(&Panel {
@@ -130,13 +130,13 @@ fn pressures(
 fn draw_lifts(
     sheet: &Sheet<'_>,
     top_px: i32,
-    lifts: &[Option<Course<'_>>; 2],
+    lifts: &[Option<Trace<'_>>; 2],
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
     let greatest_mm = lifts
         .iter()
         .flatten()
-        .filter_map(|course| course.extent(window_s))
+        .filter_map(|trace| trace.extent(window_s))
         .fold(0.1, |greatest: f64, extent| greatest.max(extent.end));
     let mut chart = sheet.panel(&Panel {
         corner: (LABELS_PX, top_px),
@@ -146,9 +146,9 @@ fn draw_lifts(
         x_caption: None,
         y_caption: "Lift of the armature at the sample [mm]",
     })?;
-    for (course, colour) in lifts.iter().zip([palette::FILL, palette::VENT]).rev() {
-        if let Some(course) = course {
-            chart.curve(&course.lines(window_s, PLOT_PX as usize), colour, 1.25)?;
+    for (trace, colour) in lifts.iter().zip([palette::FILL, palette::VENT]).rev() {
+        if let Some(trace) = trace {
+            chart.curve(&trace.lines(window_s, PLOT_PX as usize), colour, 1.25)?;
         }
     }
     Ok(())

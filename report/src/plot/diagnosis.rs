@@ -11,10 +11,10 @@ use super::canvas::{
     Align, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, figure, union, with_room,
 };
 use super::comparison::{DUTIES_PX, duties, span};
-use super::course::Course;
 use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, pressure_first, short, signal_words, unit_of};
+use super::trace::Trace;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
@@ -36,7 +36,7 @@ const GROUP_PX: i32 = 14;
 ///
 /// # Errors
 /// Returns an error if the drawing fails.
-pub(crate) fn ladder(steps: &[Step]) -> Result<Figure, PlotError> {
+pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
     let longest = steps.iter().map(Step::worst_in_noise).fold(1.0, f64::max);
     let rows: i32 = steps.iter().map(|step| step.check_rms.len() as i32).sum();
     let bottom = TOP_PX + rows * ROW_PX + steps.len() as i32 * (ROW_PX + GROUP_PX);
@@ -149,7 +149,7 @@ pub(crate) fn before_and_after(
         .map(|(model, (name, colour))| Run::of(model, signal, name, colour))
         .collect();
     let window_s = window_s
-        .or_else(|| runs.first()?.modelled.as_ref().map(Course::window_s))
+        .or_else(|| runs.first()?.modelled.as_ref().map(Trace::window_s))
         .unwrap_or(0.0..1.0);
     let height_px = FIRST_TOP_PX + OVERLAY_PX + RESIDUAL_PX + 2 * BETWEEN_PX + DUTIES_PX + 46;
     let words = signal_words(&signal.name);
@@ -173,8 +173,8 @@ pub(crate) fn before_and_after(
 struct Run<'a> {
     name: &'static str,
     colour: RGBColor,
-    modelled: Option<Course<'a>>,
-    residual: Option<Course<'a>>,
+    modelled: Option<Trace<'a>>,
+    residual: Option<Trace<'a>>,
 }
 
 impl<'a> Run<'a> {
@@ -188,8 +188,8 @@ impl<'a> Run<'a> {
         Self {
             name,
             colour,
-            modelled: Course::of(&traces.free_run, &signal.name),
-            residual: Course::of_free_run_residual(traces, &signal.name),
+            modelled: Trace::of(&traces.free_run, &signal.name),
+            residual: Trace::of_free_run_residual(traces, &signal.name),
         }
     }
 }
@@ -218,8 +218,7 @@ fn draw_overlay(
             .into_iter()
             .chain(modelled.clone())
     };
-    let extents =
-        curves().filter_map(|(course, ..)| course.and_then(|course| course.extent(window_s)));
+    let extents = curves().filter_map(|(trace, ..)| trace.and_then(|trace| trace.extent(window_s)));
     let mut chart = sheet.panel(&Panel {
         corner: (LABELS_PX, FIRST_TOP_PX),
         size: (PLOT_PX, OVERLAY_PX),
@@ -230,8 +229,8 @@ fn draw_overlay(
     })?;
     let legend = legend(("measured", palette::INK), runs);
     sheet.legend((LABELS_PX + PLOT_PX, FIRST_TOP_PX - 16), &legend)?;
-    for (course, colour, width_px) in curves() {
-        draw(&mut chart, course, colour, width_px, window_s)?;
+    for (trace, colour, width_px) in curves() {
+        draw(&mut chart, trace, colour, width_px, window_s)?;
     }
     Ok(())
 }
@@ -245,14 +244,14 @@ fn draw_residuals(
 ) -> Result<(), PlotError> {
     let unit = SmallUnit::of_errors_in(&signal.unit);
     let residuals = runs.iter().map(|run| run.residual.clone());
-    let courses: Vec<_> = residuals
-        .map(|course| course.map(|course| course.times(unit.per_unit)))
+    let traces: Vec<_> = residuals
+        .map(|trace| trace.map(|trace| trace.times(unit.per_unit)))
         .collect();
     let sigma = signal.noise_floor.value.unwrap_or(0.0) * unit.per_unit;
-    let extents = courses
+    let extents = traces
         .iter()
         .flatten()
-        .filter_map(|course| course.extent(window_s));
+        .filter_map(|trace| trace.extent(window_s));
     let extent = extents.fold(-3.5 * sigma..3.5 * sigma, union);
     let mut chart = sheet.panel(&Panel {
         corner: (LABELS_PX, top_px),
@@ -269,21 +268,21 @@ fn draw_residuals(
     let legend = legend(("noise ±3 σ", palette::BAND_OUTER), runs);
     sheet.legend((LABELS_PX + PLOT_PX, top_px - 16), &legend)?;
     chart.level(0.0, palette::AXIS)?;
-    for (run, course) in runs.iter().zip(&courses) {
-        draw(&mut chart, course.as_ref(), run.colour, 1.0, window_s)?;
+    for (run, trace) in runs.iter().zip(&traces) {
+        draw(&mut chart, trace.as_ref(), run.colour, 1.0, window_s)?;
     }
     Ok(())
 }
 
 fn draw(
     chart: &mut Chart<'_>,
-    course: Option<&Course<'_>>,
+    trace: Option<&Trace<'_>>,
     colour: RGBColor,
     width_px: f64,
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
-    match course {
-        Some(course) => chart.curve(&course.lines(window_s, PLOT_PX as usize), colour, width_px),
+    match trace {
+        Some(trace) => chart.curve(&trace.lines(window_s, PLOT_PX as usize), colour, width_px),
         None => Ok(()),
     }
 }

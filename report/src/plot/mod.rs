@@ -8,7 +8,6 @@
 mod canvas;
 mod comparison;
 mod control;
-mod course;
 mod diagnosis;
 mod error_map;
 mod figure;
@@ -18,10 +17,11 @@ mod regimes;
 mod remaining;
 mod settling;
 mod thesis;
+mod trace;
 
 pub(crate) use comparison::{comparison, excerpt};
 pub(crate) use control::{control, step_of_interest};
-pub(crate) use diagnosis::{before_and_after, candidates, ladder};
+pub(crate) use diagnosis::{before_and_after, candidates, error_steps};
 pub(crate) use error_map::error_map;
 pub(crate) use figure::{Figure, PlotError};
 pub use quantity::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};

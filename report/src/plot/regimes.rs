@@ -60,7 +60,7 @@ fn draw_bin(sheet: &Sheet<'_>, top_px: i32, bin: &RegimeBin) -> Result<(), PlotE
         palette::LABEL,
     )?;
     // Use the one-step-ahead error if there is one: a free run also accumulates errors of other regimes.
-    let error = bin.short_horizon.as_ref().unwrap_or(&bin.free_run);
+    let error = bin.one_step_ahead.as_ref().unwrap_or(&bin.free_run);
     let length = |share: f64| (f64::from(BARS_PX) * share.clamp(0.0, 1.0)).round() as i32;
     let excess = error.excess_share.unwrap_or(0.0);
     sheet.rectangle(

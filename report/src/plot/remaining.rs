@@ -62,9 +62,9 @@ fn draw(sheet: &Sheet<'_>, corner: (i32, i32), curve: &FlowCurve) -> Result<(), 
         let upright = vec![(point.at, bar.start), (point.at, bar.end)];
         chart.curve(&[upright], palette::LABEL, 1.0)?;
     }
-    let course = curve.points.iter().map(|point| (point.at, point.bar_per_s));
-    chart.curve(&[course.clone().collect()], palette::MODEL, 1.25)?;
-    course
+    let trace = curve.points.iter().map(|point| (point.at, point.bar_per_s));
+    chart.curve(&[trace.clone().collect()], palette::MODEL, 1.25)?;
+    trace
         .into_iter()
         .try_for_each(|at| chart.dot(at, palette::MODEL, true))
 }

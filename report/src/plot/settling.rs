@@ -121,13 +121,13 @@ pub(crate) fn settling_on_rigs(
 
 /// Returns the distribution in percent over samples.
 fn stairs(times: &SettlingTimes, end: f64) -> Vec<(f64, f64)> {
-    let mut course = vec![(0.0, 0.0)];
+    let mut trace = vec![(0.0, 0.0)];
     let mut percent = 0.0;
     for (samples, share) in times.distribution() {
-        course.push((f64::from(samples), percent));
+        trace.push((f64::from(samples), percent));
         percent = 100.0 * share;
-        course.push((f64::from(samples), percent));
+        trace.push((f64::from(samples), percent));
     }
-    course.push((end, percent));
-    course
+    trace.push((end, percent));
+    trace
 }

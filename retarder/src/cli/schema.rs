@@ -7,21 +7,21 @@ use clap::ValueEnum;
 pub(crate) enum SchemaName {
     /// retarder.black-box/1, of `blackbox`
     BlackBox,
-    /// retarder.comparison/1, of `compare`
+    /// retarder.comparison/2, of `compare`
     Comparison,
     /// retarder.control/1, of `control`
     Control,
     /// retarder.device/1, of `control --dut`
     Device,
-    /// retarder.determining-experiment/1, of `next-experiment --determine`
+    /// retarder.determining-experiment/2, of `next-experiment --determine`
     DeterminingExperiment,
-    /// retarder.diagnosis/1, of `diagnose`
+    /// retarder.diagnosis/2, of `diagnose`
     Diagnosis,
     /// retarder.estimation/1, of `refine` without --add
     Estimation,
-    /// retarder.refinement/1, of `refine --add`
+    /// retarder.refinement/2, of `refine --add`
     Refinement,
-    /// retarder.next-experiment/1, of `next-experiment`
+    /// retarder.next-experiment/2, of `next-experiment`
     NextExperiment,
     /// retarder.rigs/1, of `control --rigs`
     Rigs,

@@ -13,7 +13,7 @@ use super::{Colour, Terminal, painted_lines};
 pub(super) struct Chart<'a> {
     /// Shown quantity with its unit.
     pub(super) title: &'a str,
-    pub(super) courses: Vec<Course<'a>>,
+    pub(super) traces: Vec<Trace<'a>>,
     /// Marked band of values around 0, and its meaning.
     pub(super) band: Option<(f64, &'a str)>,
     /// Height without title and axis (characters).
@@ -25,7 +25,7 @@ pub(super) struct Chart<'a> {
 }
 
 /// One time series.
-pub(super) struct Course<'a> {
+pub(super) struct Trace<'a> {
     pub(super) name: &'a str,
     pub(super) colour: Colour,
     /// Character that draws the series without colours; `None` draws a line.
@@ -54,8 +54,8 @@ impl Chart<'_> {
             range: [low, high],
         };
         let mut raster = Raster::new(columns, self.height);
-        for course in &self.courses {
-            frame.draw(course, &mut raster, terminal.is_coloured);
+        for trace in &self.traces {
+            frame.draw(trace, &mut raster, terminal.is_coloured);
         }
         let mut text = self.heading(terminal);
         let ticks = frame.value_ticks();
@@ -81,16 +81,16 @@ impl Chart<'_> {
 
     fn heading(&self, terminal: &Terminal) -> String {
         let mut text = terminal.paint(Colour::Title, self.title);
-        for course in &self.courses {
-            let key = match course.mark {
+        for trace in &self.traces {
+            let key = match trace.mark {
                 Some(mark) if !terminal.is_coloured => mark.to_string().repeat(2),
                 _ => "──".to_owned(),
             };
             let _ = write!(
                 text,
                 "   {} {}",
-                terminal.paint(course.colour, &key),
-                course.name
+                terminal.paint(trace.colour, &key),
+                trace.name
             );
         }
         if let Some((_, name)) = self.band {
@@ -103,8 +103,8 @@ impl Chart<'_> {
     fn range(&self) -> Option<[f64; 2]> {
         let band = self.band.map(|(half_width, _)| [-half_width, half_width]);
         let bounds = band.into_iter().chain(self.at_least).flatten();
-        let values = self.courses.iter().flat_map(|course| {
-            let shown = course.times_s.iter().zip(course.values);
+        let values = self.traces.iter().flat_map(|trace| {
+            let shown = trace.times_s.iter().zip(trace.values);
             shown.filter(|&(time_s, _)| (self.span_s[0]..=self.span_s[1]).contains(time_s))
         });
         let all = values
@@ -157,11 +157,11 @@ impl Frame {
         (row < self.rows).then_some(row)
     }
 
-    fn draw(&self, course: &Course<'_>, raster: &mut Raster<Colour>, is_coloured: bool) {
-        let mark = course.mark.filter(|_| !is_coloured);
+    fn draw(&self, trace: &Trace<'_>, raster: &mut Raster<Colour>, is_coloured: bool) {
+        let mark = trace.mark.filter(|_| !is_coloured);
         let mut last: Option<(isize, isize)> = None;
         let mut last_mark = isize::MIN;
-        for (&time_s, &value) in course.times_s.iter().zip(course.values) {
+        for (&time_s, &value) in trace.times_s.iter().zip(trace.values) {
             if !value.is_finite() || !(self.span_s[0]..=self.span_s[1]).contains(&time_s) {
                 last = None;
                 continue;
@@ -170,10 +170,10 @@ impl Frame {
             match mark {
                 Some(mark) if place.0 / (DOTS[0] * MARK_DISTANCE) as isize != last_mark => {
                     last_mark = place.0 / (DOTS[0] * MARK_DISTANCE) as isize;
-                    raster.mark(place.0, place.1, mark, course.colour);
+                    raster.mark(place.0, place.1, mark, trace.colour);
                 }
                 Some(_) => {}
-                None => raster.line(last.unwrap_or(place), place, course.colour),
+                None => raster.line(last.unwrap_or(place), place, trace.colour),
             }
             last = Some(place);
         }
@@ -286,7 +286,7 @@ mod tests {
         let values: Vec<f64> = times_s.iter().map(|time_s| time_s - 5.0).collect();
         let chart = Chart {
             title: "error [bar]",
-            courses: vec![Course {
+            traces: vec![Trace {
                 name: "ramp",
                 colour: Colour::First,
                 mark: None,

@@ -7,7 +7,7 @@ use model_lab::result::{
 };
 use recording::{Recording, Unit};
 
-use super::chart::{Chart, Course};
+use super::chart::{Chart, Trace};
 use super::diagnosis::conditions;
 use super::number::{or_dash, percent, signed, significant};
 use super::table::{Align, Table, bar, verdict};
@@ -105,7 +105,7 @@ pub(super) fn signals(compared: &Compared, terminal: &Terminal) -> String {
             signed(free.worst, 3).into(),
             format!("{:.2}", free.worst_time_s).into(),
             or_dash(free.fit_pct, |value| format!("{value:.1}")).into(),
-            or_dash(signal.short_horizon.as_ref(), |short| {
+            or_dash(signal.one_step_ahead.as_ref(), |short| {
                 significant(short.rms, 3)
             })
             .into(),
@@ -156,12 +156,12 @@ fn is_clear(offset: &TimeOffset) -> bool {
 pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     let signal = compared.focus();
     let traces = &compared.comparison.traces;
-    let measured = course(
+    let measured = trace(
         &compared.log,
         &signal.name,
         traces.free_run.signal(&signal.name).map(|s| s.unit()),
     );
-    let modelled = course(&traces.free_run, &signal.name, None);
+    let modelled = trace(&traces.free_run, &signal.name, None);
     let residual = residual(traces, &signal.name);
     let (Some(measured), Some(modelled), Some(residual)) = (measured, modelled, residual) else {
         return String::new();
@@ -173,15 +173,15 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     let overlay_title = format!("{} [{}]", signal.name, modelled.unit.symbol());
     let overlay = Chart {
         title: &overlay_title,
-        courses: vec![
-            Course {
+        traces: vec![
+            Trace {
                 name: "measured",
                 colour: Colour::First,
                 mark: None,
                 times_s: measured.times_s,
                 values: &measured.values,
             },
-            Course {
+            Trace {
                 name: "modelled",
                 colour: Colour::Second,
                 mark: Some('×'),
@@ -203,7 +203,7 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     });
     let residual_chart = Chart {
         title: &residual_title,
-        courses: vec![Course {
+        traces: vec![Trace {
             name: "residual",
             colour: Colour::First,
             mark: None,
@@ -219,15 +219,15 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
 }
 
 /// Signal with its instants.
-struct ShownCourse<'a> {
+struct ShownTrace<'a> {
     times_s: &'a [f64],
     values: Cow<'a, [f64]>,
     unit: Unit,
 }
 
 /// Returns measured minus modelled of the signal `name`.
-fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownCourse<'a>> {
-    Some(ShownCourse {
+fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownTrace<'a>> {
+    Some(ShownTrace {
         times_s: traces.free_run.time_base_of(name)?.times_s(),
         values: traces.free_run_residual(name)?.iter().collect(),
         unit: traces.residual_unit(name)?,
@@ -235,7 +235,7 @@ fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownCourse<'a>> {
 }
 
 /// Returns the signal `name` in `unit`, or as logged if it cannot be converted.
-fn course<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option<ShownCourse<'a>> {
+fn trace<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option<ShownTrace<'a>> {
     let signal = recording.signal(name)?;
     let times_s = recording.time_base_of(name)?.times_s();
     let logged = signal.unit();
@@ -244,7 +244,7 @@ fn course<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Optio
         Some((Cow::Owned(values.ok()?), unit))
     });
     let (values, unit) = converted.unwrap_or((Cow::Borrowed(signal.values_or_nan()), logged));
-    Some(ShownCourse {
+    Some(ShownTrace {
         times_s,
         values,
         unit,
@@ -291,7 +291,7 @@ pub(super) fn regimes(
     }
     let mut text = table.to_string();
     let which = match signal.finding.horizon {
-        Horizon::ShortHorizon => {
+        Horizon::OneStepAhead => {
             "excess: share of the error beyond the noise, one step ahead, where an error does not accumulate. \
              free: the same in free run, where it does."
         }
@@ -302,7 +302,7 @@ pub(super) fn regimes(
 }
 
 fn local(bin: &RegimeBin) -> &model_lab::result::BinError {
-    bin.short_horizon.as_ref().unwrap_or(&bin.free_run)
+    bin.one_step_ahead.as_ref().unwrap_or(&bin.free_run)
 }
 
 /// Returns the verdict as a sentence.

@@ -4,7 +4,7 @@ use hil_harness::checks::{Bound, Check, CheckId};
 use hil_harness::{Requirement, Verdict};
 use recording::Recording;
 
-use super::chart::{Chart, Course};
+use super::chart::{Chart, Trace};
 use super::device;
 use super::number::{significant, value};
 use super::table::{Align, Entry, Table, painted};
@@ -65,7 +65,7 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
             .signal(name)
             .map_or(&[][..], |signal| signal.values_or_nan())
     };
-    let course = |name: &'static str, signal: &str, colour, mark| Course {
+    let trace = |name: &'static str, signal: &str, colour, mark| Trace {
         name,
         colour,
         mark,
@@ -74,9 +74,9 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     };
     let pressure = Chart {
         title: "pressure [bar gauge]",
-        courses: vec![
-            course("reference", "p_ref", Colour::Second, Some('×')),
-            course("chamber", "p_ch", Colour::First, None),
+        traces: vec![
+            trace("reference", "p_ref", Colour::Second, Some('×')),
+            trace("chamber", "p_ch", Colour::First, None),
         ],
         band: None,
         height: 12,
@@ -87,9 +87,9 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     let vent: Vec<f64> = values("duty_vent").iter().map(|duty| -duty).collect();
     let duty = Chart {
         title: "duty cycle [%]",
-        courses: vec![
-            course("fill", "duty_fill", Colour::First, None),
-            Course {
+        traces: vec![
+            trace("fill", "duty_fill", Colour::First, None),
+            Trace {
                 name: "vent (downwards)",
                 colour: Colour::Second,
                 mark: None,

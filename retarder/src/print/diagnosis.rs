@@ -39,7 +39,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         );
     }
     text += "\n";
-    text += &ladder(&found.ladder, terminal);
+    text += &error_steps(&found.error_steps, terminal);
     text += "\n";
     text += &candidates(found, terminal);
     text += "\n";
@@ -69,7 +69,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += "\n";
-    text += &ladder(&found.ladder, terminal);
+    text += &error_steps(&found.error_steps, terminal);
     text += "\n";
     let mut table = Table::new(
         [
@@ -181,7 +181,7 @@ fn named(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 }
 
 /// Returns the error steps: one falling bar per signal and step.
-fn ladder(steps: &[Step], terminal: &Terminal) -> String {
+fn error_steps(steps: &[Step], terminal: &Terminal) -> String {
     let mut table = Table::new(
         [
             ("How the error falls", Align::Left),
@@ -286,8 +286,8 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
                 format!("{} {}", beyond(candidate), significant(*value, 2)).into(),
                 painted(Colour::Faint, key),
             ]),
-            DetectionLimit::NotExcited { manoeuvre } => {
-                not_excited.push((candidate.effect.as_str(), manoeuvre));
+            DetectionLimit::NotExcited { test_signal } => {
+                not_excited.push((candidate.effect.as_str(), test_signal));
             }
         }
     }
@@ -296,8 +296,8 @@ fn limits(found: &Diagnosis, terminal: &Terminal) -> String {
         let caution = "A log may contain the following already: a signal that is excluded from the fit (above) shows nothing.";
         text += &painted_paragraph(Colour::Notice, caution, terminal);
     }
-    for (id, manoeuvre) in not_excited {
-        let sentence = format!("Not excited: {id}. To see it: {manoeuvre}.");
+    for (id, test_signal) in not_excited {
+        let sentence = format!("Not excited: {id}. To see it: {test_signal}.");
         text += &painted_paragraph(Colour::Notice, &sentence, terminal);
     }
     text

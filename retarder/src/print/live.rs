@@ -10,7 +10,7 @@ use hil_harness::Scenario;
 use hil_harness::run::Moment;
 use hil_harness::wire;
 
-use super::chart::{Chart, Course};
+use super::chart::{Chart, Trace};
 use super::{Colour, Terminal};
 
 /// Time of the run that the plot shows (s).
@@ -92,7 +92,7 @@ impl Live {
         let now_s = moment.time_s;
         let from_s = (now_s - WINDOW_S).max(self.times_s[0]);
         let first = self.times_s.partition_point(|time| *time < from_s);
-        let course = |name, colour, mark, values| Course {
+        let trace = |name, colour, mark, values| Trace {
             name,
             colour,
             mark,
@@ -101,14 +101,14 @@ impl Live {
         };
         let chart = Chart {
             title: "pressure [bar gauge]",
-            courses: vec![
-                course(
+            traces: vec![
+                trace(
                     "reference",
                     Colour::Second,
                     Some('×'),
                     &self.references[first..],
                 ),
-                course("chamber", Colour::First, None, &self.pressures[first..]),
+                trace("chamber", Colour::First, None, &self.pressures[first..]),
             ],
             band: None,
             height: 12,

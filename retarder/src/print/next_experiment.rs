@@ -32,7 +32,7 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
     );
     let mut table = Table::new(
         [
-            ("manoeuvre", Align::Left),
+            ("test signal", Align::Left),
             ("distance", Align::Right),
             ("s", Align::Right),
             ("bar", Align::Right),
@@ -40,13 +40,13 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
         ],
         terminal,
     );
-    for manoeuvre in &next.ranking {
+    for test_signal in &next.ranking {
         table.row([
-            manoeuvre.name.as_str().into(),
-            significant(manoeuvre.distance, 3).into(),
-            significant(manoeuvre.duration_s, 3).into(),
-            significant(manoeuvre.highest_bar, 2).into(),
-            manoeuvre.about.as_str().into(),
+            test_signal.name.as_str().into(),
+            significant(test_signal.distance, 3).into(),
+            significant(test_signal.duration_s, 3).into(),
+            significant(test_signal.highest_bar, 2).into(),
+            test_signal.about.as_str().into(),
         ]);
     }
     text += &table.to_string();
@@ -99,7 +99,7 @@ pub(super) fn determining(planned: &Determining, terminal: &Terminal) -> String 
     text += "\n";
     text += &foreseen(&next.parameters, terminal);
     let columns = [
-        ("manoeuvre", Align::Left),
+        ("test signal", Align::Left),
         ("determines", Align::Right),
         ("width", Align::Right),
         ("s", Align::Right),
@@ -107,14 +107,14 @@ pub(super) fn determining(planned: &Determining, terminal: &Terminal) -> String 
         ("shows", Align::Left),
     ];
     let mut table = Table::new(columns, terminal);
-    for manoeuvre in &next.ranking {
+    for test_signal in &next.ranking {
         table.row([
-            manoeuvre.name.as_str().into(),
-            manoeuvre.determines.len().into(),
-            significant(manoeuvre.width_after, 2).into(),
-            significant(manoeuvre.duration_s, 3).into(),
-            significant(manoeuvre.highest_bar, 2).into(),
-            manoeuvre.about.as_str().into(),
+            test_signal.name.as_str().into(),
+            test_signal.determines.len().into(),
+            significant(test_signal.width_after, 2).into(),
+            significant(test_signal.duration_s, 3).into(),
+            significant(test_signal.highest_bar, 2).into(),
+            test_signal.about.as_str().into(),
         ]);
     }
     text += "\n";

@@ -18,7 +18,7 @@ pub(crate) const SCHEMA: &str = "retarder.black-box/1";
 #[derive(Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BlackBox {
-    /// Name and version of this format.
+    /// Name and version of this format, `retarder.black-box/1`.
     pub(crate) schema: &'static str,
     /// Identity of the device.
     pub(crate) device: String,

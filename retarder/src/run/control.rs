@@ -77,7 +77,7 @@ pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/1";
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rigs<'a> {
-    /// Name and version of this format.
+    /// Name and version of this format, `retarder.rigs/1`.
     pub(crate) schema: &'static str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,

@@ -68,7 +68,7 @@ pub(crate) const DEVICE_SCHEMA: &str = "retarder.device/1";
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Device<'a> {
-    /// Name and version of this format.
+    /// Name and version of this format, `retarder.device/1`.
     pub(crate) schema: &'static str,
     /// Identity of the device: kind, version and connection.
     pub(crate) device: &'a str,

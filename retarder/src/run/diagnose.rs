@@ -107,7 +107,7 @@ impl Diagnosed {
     /// is found.
     pub(crate) fn next_command(&self) -> Option<String> {
         let given = self.task.options.as_given();
-        let mut steps = self.diagnosis.ladder.iter();
+        let mut steps = self.diagnosis.error_steps.iter();
         let is_beyond = steps.any(|step| step.kind == StepKind::RangesWidened);
         if is_beyond && self.diagnosis.verdict == Verdict::Found {
             // Values first: an effect fitted beside wrong values would compensate for them.
@@ -120,7 +120,7 @@ impl Diagnosed {
         if self.diagnosis.effects.is_empty() && freed.is_empty() {
             return None;
         }
-        let steps = self.diagnosis.ladder.iter();
+        let steps = self.diagnosis.error_steps.iter();
         let added: String = steps
             .filter_map(|step| Some((step.added.as_ref()?, step.variant.as_ref()?)))
             .map(|(id, variant)| format!(" --add {id}:{variant}"))

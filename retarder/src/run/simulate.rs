@@ -49,7 +49,7 @@ pub(crate) const SIMULATION_SCHEMA: &str = "retarder.simulation/1";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Simulation {
-    /// Name and version of this format.
+    /// Name and version of this format, `retarder.simulation/1`.
     pub(crate) schema: String,
     /// Name of the log.
     pub(crate) log: String,
@@ -295,7 +295,7 @@ impl<'a> Model<'a> {
         let input = self.conditions.on_ecu_time(index, input, time_ns);
         let at = (input, time_s - start_s);
         let row = self.start.row(&mut self.replay, self.conditions, at);
-        row.ok_or_else(|| ReplayError::given_up(time_ns))
+        row.ok_or_else(|| ReplayError::aborted(time_ns))
     }
 }
 

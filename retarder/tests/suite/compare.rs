@@ -53,7 +53,7 @@ fn json_is_a_comparison_of_the_library_and_goes_where_it_is_sent() {
     assert_eq!(bench.read("c.json"), on_standard_output);
     // The type refuses unknown fields.
     let comparison: Comparison = serde_json::from_str(&on_standard_output).unwrap();
-    assert_eq!(comparison.schema, "retarder.comparison/1");
+    assert_eq!(comparison.schema, "retarder.comparison/2");
     assert!(bench.read("c.html").contains("retarder compare --log"));
 }
 

@@ -35,7 +35,7 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
     ];
     let out = bench.run(&diagnose).ended_with(1);
     let diagnosis: Diagnosis = serde_json::from_str(&bench.read("d.json")).unwrap();
-    let last = diagnosis.ladder.last().unwrap();
+    let last = diagnosis.error_steps.last().unwrap();
     let form = last.variant.as_ref().unwrap();
     let proposed =
         format!("retarder refine --log bench.csv --add chamber_leak:{form} --out refined.toml");
@@ -88,7 +88,7 @@ fn a_leak_is_named_and_added_and_then_nothing_is_missing() {
         ],
     );
     let refinement: Refinement = serde_json::from_str(&bench.read("r.json")).unwrap();
-    let last = refinement.ladder.last().unwrap();
+    let last = refinement.error_steps.last().unwrap();
     assert!(last.check_rms["p_ch"] < 1.2 * last.noise_floor["p_ch"]);
     keep_example("diagnosis", &timeless(&bench.read("d.json")));
     keep_example("refinement", &timeless(&bench.read("r.json")));

@@ -108,7 +108,7 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
 
 /// `--help` at the end still refuses wrong arguments before it, and runs nothing.
 #[test]
-fn every_command_that_the_tour_and_the_help_propose_is_understood() {
+fn every_command_that_the_demo_and_the_help_propose_is_understood() {
     let bench = Bench::new();
     let mut texts = bench.run(&[]).ended_with(0);
     for command in [

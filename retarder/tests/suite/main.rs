@@ -4,6 +4,7 @@ mod compare;
 mod control;
 #[cfg(unix)]
 mod damage;
+mod demo;
 mod device;
 mod diagnose;
 mod files;
@@ -20,4 +21,3 @@ mod serve;
 mod simulate;
 mod simulation_start;
 mod thesis;
-mod tour;

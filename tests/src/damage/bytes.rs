@@ -4,10 +4,10 @@ use super::values::{FLOATS, INTEGERS, TEXTS};
 use crate::chance::Chance;
 
 /// Kind of damage: its name, and the function that makes it.
-pub type Way = (&'static str, fn(&mut Vec<u8>, &mut Chance));
+pub type Mutation = (&'static str, fn(&mut Vec<u8>, &mut Chance));
 
 /// Kinds of damage for files of any format.
-pub const ANY: [Way; 14] = [
+pub const ANY: [Mutation; 14] = [
     ("bits flipped", |bytes, chance| flip_bits(bytes, chance)),
     ("byte set", |bytes, chance| set_byte(bytes, chance)),
     ("run overwritten", |bytes, chance| {
@@ -27,7 +27,7 @@ pub const ANY: [Way; 14] = [
 ];
 
 /// Kinds of damage for MF4, whose links and counts are integers of 64 bits at multiples of 8.
-pub const MF4: [Way; 6] = [
+pub const MF4: [Mutation; 6] = [
     ("integer set to a bound", |bytes, chance| {
         let value = chance.one_of(&INTEGERS);
         put(bytes, chance, 8, &value.to_le_bytes());

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::bytes::{self, Way};
+use super::bytes::{self, Mutation};
 use super::commands::{self, CommandLine, Effort};
 use super::originals::{Bench, File, Role, name_of};
 use super::text;
@@ -99,7 +99,7 @@ impl Case {
 /// Damages a file with a kind of damage that fits its format.
 fn damage(file: &mut File, chance: &mut Chance) -> &'static str {
     // Most damage leaves a readable file, so that the code after the reader is also tested.
-    let fitting: &[(&[Way], usize)] = match file.role {
+    let fitting: &[(&[Mutation], usize)] = match file.role {
         Role::Log | Role::Reference => &[
             (&text::TABLE, 6),
             (&text::NUMBER, 3),

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::bytes::{Way, place};
+use super::bytes::{Mutation, place};
 use super::values::{MAPPED_UNITS, NUMBERS, STRUCTURES, UNITS, WORDS};
 use crate::chance::Chance;
 
 /// Kinds of damage for the numbers of any text.
-pub const NUMBER: [Way; 5] = [
+pub const NUMBER: [Mutation; 5] = [
     ("number nudged", |text, chance| {
         set_number(text, chance, |number, chance| {
             (number * (1.0 + 0.5 * chance.normal())).to_string()
@@ -35,7 +35,7 @@ pub const NUMBER: [Way; 5] = [
 ];
 
 /// Kinds of damage for any text.
-pub const ANY: [Way; 10] = [
+pub const ANY: [Mutation; 10] = [
     ("line dropped", |text, chance| {
         lines(text, chance, |lines, at, _| drop(lines.remove(at)))
     }),
@@ -81,7 +81,7 @@ pub const ANY: [Way; 10] = [
 ];
 
 /// Kinds of damage for tables: rows of cells between separators, below a header.
-pub const TABLE: [Way; 12] = [
+pub const TABLE: [Mutation; 12] = [
     ("column set to a bound", |text, chance| {
         let value = any_value(chance);
         cells(text, chance, |_, _, _| value.to_owned());
@@ -185,7 +185,7 @@ pub const TABLE: [Way; 12] = [
 ];
 
 /// Kinds of damage for keys and values, TOML and JSON.
-pub const KEYS: [Way; 6] = [
+pub const KEYS: [Mutation; 6] = [
     ("value set to a bound", |text, chance| {
         let value = chance.one_of(&NUMBERS).to_owned();
         set_value(text, chance, value);
@@ -473,13 +473,13 @@ mod tests {
 
     const LOG: &str = "time_s,duty_fill_pct,p_ch_bar_gauge\n0.00,0,0.1\n0.01,50,0.2\n0.02,50,0.3\n";
 
-    fn way(ways: &[Way], name: &str) -> fn(&mut Vec<u8>, &mut Chance) {
+    fn way(ways: &[Mutation], name: &str) -> fn(&mut Vec<u8>, &mut Chance) {
         let found = ways.iter().find(|(known, _)| *known == name);
         found.unwrap_or_else(|| panic!("no way is called {name}")).1
     }
 
     /// Returns the damaged log for some seeds.
-    fn damaged(ways: &[Way], name: &str) -> Vec<String> {
+    fn damaged(ways: &[Mutation], name: &str) -> Vec<String> {
         let once = |seed| {
             let mut text = LOG.as_bytes().to_vec();
             way(ways, name)(&mut text, &mut Chance::new(seed));

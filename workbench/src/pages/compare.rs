@@ -1,13 +1,13 @@
 //! Page "Compare": measured and modelled signals, and their differences.
 
 mod band;
-pub(super) mod courses;
 mod details;
 mod difference;
 mod export;
 mod selection;
 mod states;
 mod statistics;
+pub(super) mod traces;
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
         .route("/sessions/{session}/logs/{log}/compare", post(begin))
         .route("/sessions/{session}/logs/{log}/comparison", get(result))
-        .route("/sessions/{session}/logs/{log}/courses", get(show_courses))
+        .route("/sessions/{session}/logs/{log}/traces", get(show_traces))
         .route("/sessions/{session}/logs/{log}/values", get(show_values))
         .route("/sessions/{session}/logs/{log}/scatter", get(show_scatter))
         .route("/sessions/{session}/logs/{log}/fold", get(show_fold))
@@ -98,13 +98,13 @@ async fn result(
     Ok(Json(compared(&session, log)?.comparison.clone()))
 }
 
-async fn show_courses(
+async fn show_traces(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(view): Query<courses::View>,
-) -> Result<Json<courses::Courses>, Refusal> {
+    Query(view): Query<traces::View>,
+) -> Result<Json<traces::Traces>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || courses::courses(&session, log, &view).map(Json)).await
+    blocking(move || traces::traces(&session, log, &view).map(Json)).await
 }
 
 async fn show_values(
@@ -137,28 +137,28 @@ async fn show_fold(
 async fn show_distribution(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(wish): Query<statistics::Wish>,
+    Query(request): Query<statistics::Request>,
 ) -> Result<Json<statistics::Distribution>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || statistics::distribution(&session, log, &wish).map(Json)).await
+    blocking(move || statistics::distribution(&session, log, &request).map(Json)).await
 }
 
 async fn show_spectrum(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(wish): Query<statistics::Wish>,
+    Query(request): Query<statistics::Request>,
 ) -> Result<Json<statistics::Spectral>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || statistics::spectrum(&session, log, &wish).map(Json)).await
+    blocking(move || statistics::spectrum(&session, log, &request).map(Json)).await
 }
 
 async fn show_difference(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(wish): Query<difference::Wish>,
+    Query(request): Query<difference::Request>,
 ) -> Result<Json<difference::Differences>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || difference::differences(&session, log, &wish).map(Json)).await
+    blocking(move || difference::differences(&session, log, &request).map(Json)).await
 }
 
 #[derive(Deserialize)]
@@ -171,14 +171,14 @@ struct Alignment {
 async fn show_alignment(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(wish): Query<Alignment>,
+    Query(request): Query<Alignment>,
 ) -> Result<Json<align::Alignment>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || {
-        let [moved, fixed] = [session.log(log)?, session.log(wish.with)?];
+        let [moved, fixed] = [session.log(log)?, session.log(request.with)?];
         let moved = moved.as_ref().as_ref().map_err(Clone::clone)?;
         let fixed = fixed.as_ref().as_ref().map_err(Clone::clone)?;
-        align::align(&fixed.recording, &moved.recording, &wish.signal).map(Json)
+        align::align(&fixed.recording, &moved.recording, &request.signal).map(Json)
     })
     .await
 }
@@ -187,7 +187,7 @@ async fn show_alignment(
 async fn export_csv(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(range): Query<courses::Range>,
+    Query(range): Query<traces::Range>,
 ) -> Result<impl IntoResponse, Refusal> {
     let session = session(&sessions, id)?;
     let csv = blocking(move || export::csv(&session, log, range)).await?;
@@ -205,7 +205,7 @@ async fn export_csv(
 async fn export_mf4(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(range): Query<courses::Range>,
+    Query(range): Query<traces::Range>,
 ) -> Result<impl IntoResponse, Refusal> {
     let session = session(&sessions, id)?;
     let mf4 = blocking(move || export::mf4(&session, log, range)).await?;

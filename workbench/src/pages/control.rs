@@ -1,7 +1,7 @@
 //! Page "Control": closed loop on the plant, its requirements, and its robustness on scattered rigs.
 
 mod batch;
-mod courses;
+mod traces;
 mod view;
 
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use serde::Deserialize;
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::closed_loop::{ClosedLoop, ControllerFile, Profile};
 use crate::named_plant::NamedPlant;
-use crate::pages::compare::courses::Range;
+use crate::pages::compare::traces::Range;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Controlled, Judged};
 use crate::session::{Session, Sessions};
@@ -34,13 +34,13 @@ const TYPED: &str = "typed in the workbench";
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
         .route("/sessions/{session}/control", get(show))
-        .route("/sessions/{session}/control", put(wish))
+        .route("/sessions/{session}/control", put(request))
         .route("/sessions/{session}/control/controller", put(settings))
         .route("/sessions/{session}/control/controller", get(controller))
         .route("/sessions/{session}/control/reference", put(reference))
         .route("/sessions/{session}/control/run", post(begin))
         .route("/sessions/{session}/control/result", get(result))
-        .route("/sessions/{session}/control/courses", get(show_courses))
+        .route("/sessions/{session}/control/traces", get(show_traces))
         .route("/sessions/{session}/control/csv", get(export_csv))
         .route("/sessions/{session}/control/batch", post(batch::begin))
         .route("/sessions/{session}/control/batch", get(batch::result))
@@ -56,7 +56,7 @@ async fn show(
 
 /// Choices other than the settings of the controller.
 #[derive(Deserialize)]
-struct Wish {
+struct Request {
     scenario: String,
     /// Reference profile; `None` takes that of the scenario.
     profile: Option<Profile>,
@@ -64,18 +64,18 @@ struct Wish {
     rigs: u32,
 }
 
-async fn wish(
+async fn request(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Wish>,
+    Json(request): Json<Request>,
 ) -> Result<Json<view::ControlView>, Refusal> {
     let session = session(&sessions, id)?;
     change(&session, |closed_loop| {
         *closed_loop = ClosedLoop {
-            scenario: wish.scenario,
-            profile: wish.profile,
-            seed: wish.seed,
-            rigs: wish.rigs,
+            scenario: request.scenario,
+            profile: request.profile,
+            seed: request.seed,
+            rigs: request.rigs,
             controller: closed_loop.controller.clone(),
         };
         Ok(())
@@ -207,11 +207,11 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
     Ok(begin_job(&session, move |session, job| {
-        let wish = project.closed_loop;
+        let request = project.closed_loop;
         let count = plants.len();
         let mut runs = Vec::with_capacity(count);
         for (index, plant) in plants.into_iter().enumerate() {
-            let scenario = wish.scenario_on(&plant.parameters)?;
+            let scenario = request.scenario_on(&plant.parameters)?;
             let goes_on = |share: f64| job.goes_on((index as f64 + share) / count as f64);
             let Some(run) = run(&scenario, &goes_on)? else {
                 return Ok(());
@@ -224,7 +224,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
             });
         }
         if !job.is_cancelled() {
-            session.controlled.keep(Controlled { wish, runs });
+            session.controlled.keep(Controlled { request, runs });
         }
         Ok(())
     }))
@@ -265,13 +265,13 @@ async fn result(
     Ok(Json(view::ResultView::of(&session, &controlled)))
 }
 
-async fn show_courses(
+async fn show_traces(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Query(view): Query<courses::View>,
-) -> Result<Json<courses::Courses>, Refusal> {
+    Query(view): Query<traces::View>,
+) -> Result<Json<traces::Traces>, Refusal> {
     let controlled = controlled(session(&sessions, id)?.as_ref())?;
-    blocking(move || courses::courses(&controlled, &view).map(Json)).await
+    blocking(move || traces::traces(&controlled, &view).map(Json)).await
 }
 
 #[derive(Deserialize)]

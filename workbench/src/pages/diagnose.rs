@@ -11,7 +11,7 @@ use model_lab::diagnosis::next_experiment::{NextExperiment, Question, next_exper
 use model_lab::diagnosis::{Diagnosis, diagnose};
 use serde::{Deserialize, Serialize};
 
-use super::experiment_limits::WishedLimits;
+use super::experiment_limits::RequestedLimits;
 use super::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
@@ -111,30 +111,30 @@ async fn export_json(
 
 /// Request for an experiment.
 #[derive(Deserialize)]
-struct Wish {
+struct Request {
     /// One effect to detect, or several to distinguish.
     effects: Vec<String>,
-    limits: WishedLimits,
+    limits: RequestedLimits,
 }
 
 /// Begins to plan an experiment for the plant and the logs of the diagnosis.
 async fn plan(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Wish>,
+    Json(request): Json<Request>,
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     let found = diagnosed(&session)?;
     let parameters = found.plant.parameters()?;
-    let limits = wish.limits.of(&parameters)?;
-    if wish.effects.is_empty() {
+    let limits = request.limits.of(&parameters)?;
+    if request.effects.is_empty() {
         return Err(Refusal::value(
             "no effect is selected; select one to detect, or two or more to distinguish",
         ));
     }
     Ok(begin_job(&session, move |session, job| {
         let logs = session.recordings(&found.chosen.logs)?;
-        let ids: Vec<&str> = wish.effects.iter().map(String::as_str).collect();
+        let ids: Vec<&str> = request.effects.iter().map(String::as_str).collect();
         let question = match ids[..] {
             [id] => Question::For(id),
             _ => Question::Between(&ids),

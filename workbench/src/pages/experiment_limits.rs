@@ -8,14 +8,14 @@ use crate::refusal::Refusal;
 
 /// Limits as a page sends them.
 #[derive(Clone, Copy, Deserialize)]
-pub(super) struct WishedLimits {
+pub(super) struct RequestedLimits {
     duration_s: f64,
     /// Highest chamber pressure (bar gauge); `None` stays below 90 % of the supply pressure.
     max_bar: Option<f64>,
     max_duty_pct: f64,
 }
 
-impl WishedLimits {
+impl RequestedLimits {
     /// Returns the limits for an experiment with `plant`, or refuses a value that is out of range.
     pub(super) fn of(self, plant: &PlantParameters) -> Result<Limits, Refusal> {
         let within = |what: &str, value: f64, most: f64, unit: &str| {
@@ -45,7 +45,7 @@ mod tests {
     fn an_experiment_stays_below_the_supply_and_within_its_bounds() {
         let plant = PlantParameters::nominal();
         let limits = |duration_s, max_bar| {
-            let wished = WishedLimits {
+            let wished = RequestedLimits {
                 duration_s,
                 max_bar,
                 max_duty_pct: 100.0,

@@ -20,7 +20,7 @@ use crate::calculated::{self, Calculated};
 use crate::examples;
 use crate::log_reader;
 use crate::mapping::Form;
-use crate::project::{LOGS_MAX, PlantFile, Project, Strictness};
+use crate::project::{AcceptanceLimits, LOGS_MAX, PlantFile, Project};
 use crate::refusal::{Problem, Refusal};
 use crate::session::{Session, Sessions};
 use view::ProjectView;
@@ -96,7 +96,7 @@ struct OpenExample {
 async fn open_example(
     State(sessions): Shared,
     Path((id, example)): Path<(String, String)>,
-    Json(wish): Json<OpenExample>,
+    Json(request): Json<OpenExample>,
 ) -> Result<Json<ProjectView>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || {
@@ -107,7 +107,7 @@ async fn open_example(
             .map(|log| Ok((log, session.store.keep(log.bytes)?)))
             .collect::<Result<Vec<_>, Refusal>>()?;
         replace_project(&session, |project| {
-            if !wish.keep {
+            if !request.keep {
                 project.logs.clear();
             }
             if project.logs.len() + logs.len() > LOGS_MAX {
@@ -117,9 +117,9 @@ async fn open_example(
                 project.add(log.name.to_owned(), file, log.mapping.map(str::to_owned));
             }
             project.plant = files.plant.unwrap_or_else(PlantFile::nominal);
-            project.strictness = Strictness {
+            project.strictness = AcceptanceLimits {
                 tolerances: files.tolerances,
-                ..Strictness::default()
+                ..AcceptanceLimits::default()
             };
             Ok(())
         })?;
@@ -314,7 +314,7 @@ async fn plant_file(
 async fn set_strictness(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(strictness): Json<Strictness>,
+    Json(strictness): Json<AcceptanceLimits>,
 ) -> Result<(), Refusal> {
     let session = session(&sessions, id)?;
     strictness.check()?;

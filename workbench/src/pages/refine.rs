@@ -146,21 +146,21 @@ struct Changing {
 async fn change_plant(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Changing>,
+    Json(request): Json<Changing>,
 ) -> Result<Json<RefineView>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || {
-        session.project().log(wish.log)?;
+        session.project().log(request.log)?;
         let diagnosed = session.findings().diagnosed;
-        note_errors(&session, wish.log)?;
+        note_errors(&session, request.log)?;
         session.change(|project| {
             let history = of_plant(project)?;
-            wish.change.apply(history, diagnosed.as_deref())?;
+            request.change.apply(history, diagnosed.as_deref())?;
             project.plant = project.history.now().plant.clone();
             Ok(())
         })?;
         session.forget_comparisons();
-        note_errors(&session, wish.log)?;
+        note_errors(&session, request.log)?;
         history(&session).map(RefineView::of).map(Json)
     })
     .await
@@ -182,15 +182,15 @@ struct Fitting {
     chosen: Chosen,
 }
 
-/// Returns the session `id` with its history, if it has the logs that `wish` requests.
+/// Returns the session `id` with its history, if it has the logs that `request` requests.
 fn fitting(
     sessions: &Sessions,
     id: String,
-    wish: &Fitting,
+    request: &Fitting,
 ) -> Result<(Arc<Session>, History), Refusal> {
     let session = session(sessions, id)?;
-    wish.chosen.check(&session.project())?;
-    session.project().log(wish.log)?;
+    request.chosen.check(&session.project())?;
+    session.project().log(request.log)?;
     let history = history(&session)?;
     Ok((session, history))
 }
@@ -200,9 +200,9 @@ fn fitting(
 async fn fit(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Fitting>,
+    Json(request): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
-    let (session, history) = fitting(&sessions, id, &wish)?;
+    let (session, history) = fitting(&sessions, id, &request)?;
     if !history.now().effects.iter().any(|effect| effect.is_on) {
         return Err(Refusal::too_early(
             "there is no effect to fit; add one or switch one on",
@@ -221,13 +221,13 @@ async fn fit(
             .iter()
             .map(|effect| (effect.effect.clone(), Some(effect.variant.clone())))
             .collect();
-        let logs = session.recordings(&wish.chosen.logs)?;
-        let check = session.recordings(&wish.chosen.check)?;
-        note_errors(session, wish.log)?;
+        let logs = session.recordings(&request.chosen.logs)?;
+        let check = session.recordings(&request.chosen.check)?;
+        note_errors(session, request.log)?;
         let refined = refine(&opened, &logs, &check, &add, &|seen| job.watch(seen))?;
         let step = fitted_step(now, refined)?;
         add_fitted(session, job, now, step)?;
-        note_errors(session, wish.log)
+        note_errors(session, request.log)
     }))
 }
 

@@ -231,7 +231,7 @@ fn control<'a>(
     batch: Option<&'a Batch>,
 ) -> Vec<ControlPart<'a>> {
     let runs = controlled.into_iter().flat_map(|all| {
-        let controller = all.wish.controller.name.as_str();
+        let controller = all.request.controller.name.as_str();
         all.runs.iter().map(move |judged| (judged, controller))
     });
     runs.map(|(judged, controller)| ControlPart {

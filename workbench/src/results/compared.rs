@@ -3,8 +3,8 @@
 use model_lab::Comparison;
 use plant_sim::PlantParameters;
 
+use crate::cache::values_of;
 use crate::pyramid::Pyramid;
-use crate::shelf::values_of;
 
 /// Comparison with the data that a view needs.
 pub(crate) struct Compared {
@@ -24,7 +24,7 @@ impl Compared {
     /// Returns the number of values in memory.
     pub(crate) fn values(&self) -> usize {
         let traces = &self.comparison.traces;
-        let all = [&traces.measured, &traces.free_run, &traces.short_horizon];
+        let all = [&traces.measured, &traces.free_run, &traces.one_step_ahead];
         let placements = traces.placements.iter();
         let bytes: usize = placements.map(|placement| placement.bin_of.bytes()).sum();
         all.into_iter().map(values_of).sum::<usize>() + bytes / 8

@@ -9,7 +9,7 @@ use crate::project::Project;
 
 /// Loop on every plant of the project, with its settings.
 pub(crate) struct Controlled {
-    pub(crate) wish: ClosedLoop,
+    pub(crate) request: ClosedLoop,
     pub(crate) runs: Vec<Judged>,
 }
 
@@ -25,17 +25,17 @@ impl Controlled {
     pub(crate) fn is_of(&self, project: &Project) -> bool {
         let plants = NamedPlant::all_of(project).unwrap_or_default();
         // The size of a batch does not affect a run.
-        let wish = ClosedLoop {
-            rigs: self.wish.rigs,
+        let request = ClosedLoop {
+            rigs: self.request.rigs,
             ..project.closed_loop.clone()
         };
-        wish == self.wish && plants.iter().eq(self.runs.iter().map(|run| &run.plant))
+        request == self.request && plants.iter().eq(self.runs.iter().map(|run| &run.plant))
     }
 }
 
 /// Verdicts of a batch, for each plant.
 pub(crate) struct Batch {
-    pub(crate) wish: ClosedLoop,
+    pub(crate) request: ClosedLoop,
     pub(crate) plants: Vec<(NamedPlant, Vec<RigVerdict>)>,
 }
 
@@ -50,6 +50,6 @@ impl Batch {
     pub(crate) fn is_of(&self, project: &Project) -> bool {
         let plants = NamedPlant::all_of(project).unwrap_or_default();
         let mine = self.plants.iter().map(|(plant, _)| plant);
-        project.closed_loop == self.wish && plants.iter().eq(mine)
+        project.closed_loop == self.request && plants.iter().eq(mine)
     }
 }

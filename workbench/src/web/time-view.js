@@ -17,7 +17,7 @@ const REST = 120;
 export class TimeView {
   /** Creates a view; `keys` describes the additional keys of a subclass. */
   constructor(id, keys = "") {
-    this.courses = null;
+    this.traces = null;
     this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Traces over time. Plus and minus zoom, arrows pan, Home shows all${keys}.` });
     this.pointer = element("div", { class: "pointer", hidden: true });
     this.over = element("div", { class: "over" }, this.chart, this.pointer);
@@ -44,7 +44,7 @@ export class TimeView {
   }
 
   redraw() {
-    if (this.courses) this.paint();
+    if (this.traces) this.paint();
   }
 
   /** Aborts the running request; returns the signal of the new one. */
@@ -61,15 +61,15 @@ export class TimeView {
 
   /** Returns the visible range (s). */
   range() {
-    const [begin, end] = this.courses?.whole_s ?? [0, 1];
+    const [begin, end] = this.traces?.whole_s ?? [0, 1];
     return { from: view.numberOf("from") ?? begin, to: view.numberOf("to") ?? end };
   }
 
   /** Goes to a range; without one to the whole log. */
   look(from, to) {
-    if (!this.courses) return;
+    if (!this.traces) return;
     if (from !== null) {
-      const [begin, end] = this.courses.whole_s;
+      const [begin, end] = this.traces.whole_s;
       to = Math.max(to, from + 1e-6 * (end - begin));
       // A range more than twice as long as the log shows the whole log.
       if (to - from > 2 * (end - begin)) [from, to] = [null, null];

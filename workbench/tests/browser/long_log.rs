@@ -81,7 +81,7 @@ fn a_long_log_opens_and_moves_without_a_visible_stall() {
         let points = person.run("return Math.max(...document.getElementById('time-plots').data.map((trace) => trace.x.length))").await;
         assert!(
             points.as_u64().unwrap() < 6000,
-            "{points} points in one course"
+            "{points} points in one trace"
         );
         person.picture("long-log").await;
     });

@@ -10,7 +10,7 @@ use crate::driver::{Person, with_browser};
 const DIAGNOSIS: Duration = Duration::from_secs(600);
 
 /// Last bar of the pressure: its error in multiples of the noise.
-const LAST_BAR: &str = "Number([...document.querySelectorAll('#ladder .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
+const LAST_BAR: &str = "Number([...document.querySelectorAll('#error-steps .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
 
 async fn last_bar(person: &Person) -> f64 {
     person
@@ -89,8 +89,8 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         person.watch_the_policy().await;
 
         person.click("[data-effect='chamber_leak'] .add").await;
-        person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#ladder .rung').length === 3").await;
-        let plain = person.run("return Number(document.querySelector('#ladder .bar-row[data-signal=p_ch]').dataset.times)").await;
+        person.until("document.body.dataset.ready === 'refine' && document.querySelectorAll('#error-steps .rung').length === 3").await;
+        let plain = person.run("return Number(document.querySelector('#error-steps .bar-row[data-signal=p_ch]').dataset.times)").await;
         let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
         assert!(added < 0.3 * plain, "{plain} {added}");
 
@@ -206,7 +206,7 @@ fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
         ] {
             assert!(table.contains(part), "{part}: {table}");
         }
-        let rungs = person.text("#ladder").await;
+        let rungs = person.text("#error-steps").await;
         assert!(rungs.contains("with refitted values"), "{rungs}");
         person.picture("estimate").await;
         person.picture_of("#estimated", "estimated").await;

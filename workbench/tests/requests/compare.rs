@@ -25,8 +25,8 @@ fn a_residual_has_a_distribution_and_a_spectrum_that_agree_with_its_metrics() {
     let browser = bench.browser();
     let session = compared(&browser);
     let get = |path: &str| browser.get(&format!("{session}/logs/1/{path}")).json();
-    let courses = get("courses?points=400&from_s=5&to_s=45");
-    let signals = courses["signals"].as_array().unwrap();
+    let traces = get("traces?points=400&from_s=5&to_s=45");
+    let signals = traces["signals"].as_array().unwrap();
     let residual = &signals.iter().find(|one| one["name"] == "p_ch").unwrap()["residual"];
     let metrics = &residual["metrics"];
 
@@ -93,10 +93,10 @@ fn a_look_at_what_is_not_there_is_refused() {
 
 /// Returns the time series of a signal in a view.
 fn signal(browser: &Browser<'_>, session: &str, view: &str, name: &str) -> Value {
-    let courses = browser
-        .get(&format!("{session}/logs/1/courses?points=800&{view}"))
+    let traces = browser
+        .get(&format!("{session}/logs/1/traces?points=800&{view}"))
         .json();
-    let signals = courses["signals"].as_array().unwrap();
+    let signals = traces["signals"].as_array().unwrap();
     signals
         .iter()
         .find(|one| one["name"] == name)
@@ -164,7 +164,7 @@ fn the_states_of_the_valves_cover_the_view_when_they_are_asked_for() {
     let session = compared(&browser);
     let get = |more: &str| {
         browser
-            .get(&format!("{session}/logs/1/courses?points=400{more}"))
+            .get(&format!("{session}/logs/1/traces?points=400{more}"))
             .json()["states"]
             .clone()
     };
@@ -194,7 +194,7 @@ fn what_is_drawn_beside_a_view_does_not_count() {
     let begin = |signal: &Value| signal["measured"]["t"][0].as_f64().unwrap();
     assert!(begin(&narrow) > 9.9 && begin(&wide) < 5.1);
     for beside in ["-1", "1e9", "nan"] {
-        let path = format!("{session}/logs/1/courses?points=100&{view}&beside={beside}");
+        let path = format!("{session}/logs/1/traces?points=100&{view}&beside={beside}");
         assert_eq!(browser.get(&path).status, 400, "{beside}");
     }
 }
@@ -252,7 +252,7 @@ fn a_log_minus_another_one_is_what_is_left_on_their_overlap() {
     let beside = get("&from_s=10&to_s=20&beside=0.5");
     assert_eq!(beside[2]["metrics"], linear[2]["metrics"]);
     let ends = |difference: &Value| {
-        let times = difference["course"]["t"].as_array().unwrap();
+        let times = difference["trace"]["t"].as_array().unwrap();
         [times[0].clone(), times[times.len() - 1].clone()]
     };
     assert_eq!(ends(&linear[2]), [10.0, 20.0]);

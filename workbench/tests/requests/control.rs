@@ -51,12 +51,12 @@ fn the_loop_is_that_of_the_command_and_judged_alike() {
         serde_json::to_value(&verdict).unwrap()
     );
     assert_eq!(result["is_current"], true);
-    let courses = browser
+    let traces = browser
         .get(&format!(
-            "{session}/control/courses?points=300&from_s=1&to_s=2"
+            "{session}/control/traces?points=300&from_s=1&to_s=2"
         ))
         .json();
-    let names: Vec<&str> = courses["signals"]
+    let names: Vec<&str> = traces["signals"]
         .as_array()
         .unwrap()
         .iter()
@@ -75,7 +75,7 @@ fn the_loop_is_that_of_the_command_and_judged_alike() {
             "x_vent"
         ]
     );
-    let times = courses["signals"][1]["runs"][0]["t"].as_array().unwrap();
+    let times = traces["signals"][1]["runs"][0]["t"].as_array().unwrap();
     assert!((100..=103).contains(&times.len()), "{}", times.len());
     let csv = browser.get(&format!("{session}/control/csv?run=0")).text();
     assert!(
@@ -111,10 +111,10 @@ fn a_refined_plant_is_run_beside_the_plain_one() {
         result["runs"][1]["plant"]["effects"],
         json!(["chamber_leak"])
     );
-    let courses = browser
-        .get(&format!("{session}/control/courses?points=1000"))
+    let traces = browser
+        .get(&format!("{session}/control/traces?points=1000"))
         .json();
-    let [plain, refined] = [0, 1].map(|run| &courses["signals"][1]["runs"][run]["y"]);
+    let [plain, refined] = [0, 1].map(|run| &traces["signals"][1]["runs"][run]["y"]);
     assert_ne!(plain, refined, "the leak is seen");
     // With another plant, the old run is marked as that of an earlier one.
     browser.put(

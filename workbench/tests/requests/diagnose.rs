@@ -62,7 +62,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     );
     assert!(
         file.text()
-            .starts_with("{\n  \"schema\": \"retarder.diagnosis/1\"")
+            .starts_with("{\n  \"schema\": \"retarder.diagnosis/2\"")
             && file.text().ends_with("}\n")
     );
     assert_eq!(&file.json(), diagnosis);
@@ -72,7 +72,7 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     let events = browser.work(&session, &format!("{session}/next-experiment"), &wish);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&format!("{session}/next-experiment")).json();
-    assert_eq!(next["schema"], "retarder.next-experiment/1");
+    assert_eq!(next["schema"], "retarder.next-experiment/2");
     let csv = browser
         .get(&format!("{session}/next-experiment/csv"))
         .text();

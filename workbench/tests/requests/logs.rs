@@ -57,7 +57,7 @@ fn names_come_back_as_text_and_never_as_markup() {
         }
         for path in [
             "preview",
-            "courses?points=100",
+            "traces?points=100",
             "values?time_s=0",
             "comparison",
             "csv",
@@ -244,26 +244,26 @@ fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
     }
     assert_eq!(browser.compare(&session, 1)["state"], "done");
     let comparison = browser.get(&format!("{session}/logs/1/comparison")).json();
-    assert_eq!(comparison["schema"], "retarder.comparison/1");
+    assert_eq!(comparison["schema"], "retarder.comparison/2");
     assert_eq!(comparison["verdict"]["holds"], false);
 
-    let courses = browser
+    let traces = browser
         .get(&format!(
-            "{session}/logs/1/courses?points=500&from_s=10&to_s=20&select=p_ch/valve_state/filling"
+            "{session}/logs/1/traces?points=500&from_s=10&to_s=20&select=p_ch/valve_state/filling"
         ))
         .json();
-    let pressure = courses["signals"]
+    let pressure = traces["signals"]
         .as_array()
         .unwrap()
         .iter()
         .find(|one| one["name"] == "p_ch")
         .unwrap();
-    for course in [
+    for trace in [
         &pressure["measured"],
         &pressure["model"],
-        &pressure["residual"]["course"],
+        &pressure["residual"]["trace"],
     ] {
-        let times: Vec<f64> = course["t"]
+        let times: Vec<f64> = trace["t"]
             .as_array()
             .unwrap()
             .iter()
@@ -274,9 +274,9 @@ fn a_comparison_is_that_of_the_command_and_can_be_looked_at_from_all_sides() {
     }
     assert_eq!(pressure["residual"]["metrics"]["samples"], 1001);
     assert!(
-        courses["selection"]["samples"].as_u64().unwrap() > 100,
+        traces["selection"]["samples"].as_u64().unwrap() > 100,
         "{}",
-        courses["selection"]
+        traces["selection"]
     );
 
     let values = browser
@@ -370,12 +370,12 @@ fn values_out_of_range_are_refused_with_what_is_allowed() {
     );
     assert_eq!(browser.compare(&session, 1)["state"], "done");
     for path in [
-        "courses?points=100&from_s=9&to_s=3",
-        "courses?points=100&from_s=nan&to_s=3",
-        "courses?points=many",
-        "courses",
-        "courses?points=100&select=p_ch/nothing/x",
-        "courses?points=100&select=",
+        "traces?points=100&from_s=9&to_s=3",
+        "traces?points=100&from_s=nan&to_s=3",
+        "traces?points=many",
+        "traces",
+        "traces?points=100&select=p_ch/nothing/x",
+        "traces?points=100&select=",
         "values",
         "scatter?signal=nothing&over=time",
         "scatter?signal=p_ch&over=nothing",
@@ -473,8 +473,8 @@ fn an_mf4_log_is_a_log_and_its_channels_can_be_chosen() {
     let preview = browser.get(&format!("{session}/logs/1/preview")).json();
     let key = preview["channels"][0]["key"].as_str().unwrap();
     assert!(key.starts_with("1/"), "{key}");
-    let courses = browser.get(&format!("{session}/logs/1/courses?points=300"));
-    assert_eq!(courses.status, 200, "{courses:?}");
+    let traces = browser.get(&format!("{session}/logs/1/traces?points=300"));
+    assert_eq!(traces.status, 200, "{traces:?}");
     let mf4 = browser.get(&format!("{session}/logs/1/mf4"));
     assert!(mf4.body.starts_with(b"MDF "), "{:?}", mf4.head);
 }
@@ -507,10 +507,10 @@ fn calculated_channels_are_signals_of_every_log_that_has_what_they_need() {
     let reason = &project["logs"][1]["summary"]["left_out"][0]["reason"];
     assert!(reason.as_str().unwrap().contains("\"p_b\""), "{reason}");
 
-    let courses = browser
-        .get(&format!("{session}/logs/1/courses?points=10"))
+    let traces = browser
+        .get(&format!("{session}/logs/1/traces?points=10"))
         .json();
-    let half = &courses["signals"][3];
+    let half = &traces["signals"][3];
     assert_eq!(half["measured"]["y"], json!([1.0, 2.0, null]));
     let csv = browser.get(&format!("{session}/logs/1/csv")).text();
     assert!(

@@ -12,7 +12,7 @@
 //! | 8 names are text | `logs`, `report`; in the browser `hostile` |
 //! | 9 no program is started | `src/assets.rs` |
 //! | 10 no paths in answers | `guard` |
-//! | 11 work ends, memory is bounded | `sessions`, `control`; the budget of memory in `src/shelf.rs` |
+//! | 11 work ends, memory is bounded | `sessions`, `control`; the budget of memory in `src/cache.rs` |
 //! | 12 what is linked | `retarder-tests`, `dependencies`; advisories by hand, with the reason in CONTRIBUTING.md |
 
 mod bench;

@@ -105,11 +105,7 @@ fn hostile_mappings_do_not_end_the_server() {
             ended["state"] == "done" || ended["problems"][0]["code"].is_string(),
             "{ended}"
         );
-        for path in [
-            "refine?log=1",
-            "logs/1/courses?points=100",
-            "logs/1/preview",
-        ] {
+        for path in ["refine?log=1", "logs/1/traces?points=100", "logs/1/preview"] {
             let answer = browser.get(&format!("{session}/{path}"));
             assert!(
                 answer.status == 200 || answer.code().starts_with("E-"),

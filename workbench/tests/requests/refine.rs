@@ -136,10 +136,10 @@ fn a_moved_slider_is_simulated_and_nothing_else() {
         ))
         .json();
     assert_eq!(plant(&browser, &session), before);
-    let ladder = moved["ladder"].as_array().unwrap();
-    assert_eq!(ladder.len(), 2);
+    let error_steps = moved["error_steps"].as_array().unwrap();
+    assert_eq!(error_steps.len(), 2);
     assert_eq!(
-        (&ladder[0]["added"], &ladder[1]["added"]),
+        (&error_steps[0]["added"], &error_steps[1]["added"]),
         (&Value::Null, &json!("chamber_leak"))
     );
     let pressure = &moved["signals"][0];
@@ -169,7 +169,7 @@ fn a_moved_slider_is_simulated_and_nothing_else() {
 }
 
 #[test]
-fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
+fn a_fit_is_a_step_with_intervals_and_a_falling_error() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 10.0);
@@ -215,9 +215,12 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_ladder() {
         ),
         (&json!("sensor_lag"), &json!(false))
     );
-    let ladder = fitted["fit"]["ladder"].as_array().unwrap();
+    let error_steps = fitted["fit"]["error_steps"].as_array().unwrap();
     let rms = |step: &Value| step["check_rms"]["p_ch"].as_f64().unwrap();
-    assert!(rms(&ladder[2]) < 0.5 * rms(&ladder[1]), "{ladder:?}");
+    assert!(
+        rms(&error_steps[2]) < 0.5 * rms(&error_steps[1]),
+        "{error_steps:?}"
+    );
     let toml = plant(&browser, &session);
     assert!(
         toml.contains("fitted by retarder refine to bench.csv") && !toml.contains("sensor_lag")
@@ -249,7 +252,7 @@ fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
     let events = browser.work(session, &path, &wish);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&path).json();
-    assert_eq!(next["schema"], "retarder.determining-experiment/1");
+    assert_eq!(next["schema"], "retarder.determining-experiment/2");
     assert!(next["parameters"].as_array().unwrap().len() > 10, "{next}");
     let csv = browser.get(&format!("{path}/csv")).text();
     assert!(
@@ -294,8 +297,8 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
         json!({"add": {"effect": "chamber_leak", "form": "orifice"}}),
     );
     let seen = format!("{session}/refine/simulation?log=1&points=50");
-    let ladder = browser.get(&seen).json()["ladder"].clone();
-    let titles: Vec<_> = ladder.as_array().unwrap().iter().collect();
+    let error_steps = browser.get(&seen).json()["error_steps"].clone();
+    let titles: Vec<_> = error_steps.as_array().unwrap().iter().collect();
     let titles: Vec<_> = titles.iter().map(|rung| &rung["title"]).collect();
     assert_eq!(
         titles,

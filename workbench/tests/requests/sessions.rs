@@ -175,6 +175,6 @@ fn a_second_job_of_a_tab_takes_the_place_of_the_first() {
     );
     assert_eq!(
         browser.get(&format!("{session}/logs/2/comparison")).json()["schema"],
-        "retarder.comparison/1"
+        "retarder.comparison/2"
     );
 }

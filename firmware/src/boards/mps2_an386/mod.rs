@@ -28,10 +28,10 @@ use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
 use crate::build_number::build_number;
 use crate::handlers;
-use crate::kept;
 use crate::log;
+use crate::retained_ram;
 use converter::Converter;
-use firmware::Farewell;
+use firmware::ResetReason;
 use flash::Flash;
 use pins::Accident;
 use pwm::Pwm;
@@ -90,7 +90,7 @@ impl Board for Mps2An386 {
     }
 
     fn retained(&self) -> Retained<'_> {
-        kept::retained()
+        retained_ram::retained()
     }
 
     fn now_us(&self) -> u32 {
@@ -190,14 +190,14 @@ fn main() -> ! {
     if self_test::is_wanted() {
         self_test::run();
     }
-    if let Some(black_box) = kept::black_box() {
-        let flash = Flash::start(!kept::retained().is_warm());
+    if let Some(black_box) = retained_ram::black_box() {
+        let flash = Flash::start(!retained_ram::retained().is_warm());
         let mut image = Image::start(Mps2An386::new(), flash, black_box);
         while image.turn() == Life::GoesOn {}
     }
     #[cfg(feature = "panic-canary")]
     handlers::sing();
-    handlers::end(Farewell::Requested)
+    handlers::end(ResetReason::Requested)
 }
 
 /// Handles the timer's tick and the serial port's bytes.
@@ -208,7 +208,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
         uart::RECEIVED => uart::on_received(),
         timer::TICK => timer::on_tick(),
         // No other interrupt is enabled.
-        _ => handlers::end(Farewell::Exception { pc: 0 }),
+        _ => handlers::end(ResetReason::Exception { pc: 0 }),
     }
 }
 
@@ -218,5 +218,5 @@ unsafe fn DefaultHandler(interrupt: i16) {
 // and the reset.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
-    handlers::end(Farewell::Watchdog)
+    handlers::end(ResetReason::Watchdog)
 }

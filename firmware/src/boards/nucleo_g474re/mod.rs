@@ -15,13 +15,13 @@ mod watchdog;
 use cortex_m_rt::{entry, exception};
 use ecu::{Inputs, Outputs, ResetCause};
 use firmware::drivers::{Mcp3201, Valve};
-use firmware::{Board, Event, Farewell, Image, Life, Pace, Received, Retained};
+use firmware::{Board, Event, Image, Life, Pace, Received, ResetReason, Retained};
 use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
 use crate::build_number::build_number;
 use crate::handlers;
-use crate::kept;
 use crate::log;
+use crate::retained_ram;
 
 pub(crate) use start::coils_off;
 pub(crate) use timer::now_us;
@@ -58,7 +58,7 @@ impl Board for NucleoG474Re {
     }
 
     fn retained(&self) -> Retained<'_> {
-        kept::retained()
+        retained_ram::retained()
     }
 
     fn now_us(&self) -> u32 {
@@ -141,20 +141,20 @@ impl Board for NucleoG474Re {
 #[entry]
 fn main() -> ! {
     // Neither can be taken twice before the next reset.
-    if let (Some((board, flash)), Some(black_box)) = (start::start(), kept::black_box()) {
+    if let (Some((board, flash)), Some(black_box)) = (start::start(), retained_ram::black_box()) {
         let mut image = Image::start(board, flash, black_box);
         while image.turn() == Life::GoesOn {}
     }
     #[cfg(feature = "panic-canary")]
     handlers::sing();
-    handlers::end(Farewell::Requested)
+    handlers::end(ResetReason::Requested)
 }
 
 /// Ends the run: no other interrupt is enabled.
 // SAFETY: cortex-m-rt demands the signature. The handler touches only what `handlers::end` touches.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
-    handlers::end(Farewell::Exception { pc: 0 })
+    handlers::end(ResetReason::Exception { pc: 0 })
 }
 
 /// Handles two wrong bits in a word, found by the flash's error correction (section 3.3.4). In the settings' pages the
@@ -164,6 +164,6 @@ unsafe fn DefaultHandler(_: i16) {
 #[exception]
 unsafe fn NonMaskableInt() {
     if !flash::forgive_torn_settings() {
-        handlers::end(Farewell::Exception { pc: 0 })
+        handlers::end(ResetReason::Exception { pc: 0 })
     }
 }

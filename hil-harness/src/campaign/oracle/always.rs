@@ -1,12 +1,12 @@
 //! Requirements that apply with every fault.
 
-use super::{Finding, Oracle, Promise, Seen, unless};
+use super::{Finding, Observation, Oracle, Promise, unless};
 use crate::campaign::bounds;
 use crate::requirement::Requirement;
 
 /// Returns the violated requirements of this sample alone.
-pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
-    let [fill, vent] = seen.coils;
+pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 6] {
+    let [fill, vent] = observation.coils;
     let coils = || format!("fill {fill:.2} %, vent {vent:.2} %");
     let requirement = Requirement::THESIS;
     let is_allowed = |duty: f64, [min, max]: [f64; 2]| {
@@ -21,9 +21,9 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
     let is_increased =
         before.is_some_and(|[fill_before, _]| fill > fill_before + bounds::DUTY_STEP_PCT);
     let is_shut = fill == 0.0 && (vent == 0.0 || empties);
-    let above_bar = seen
+    let above_bar = observation
         .shown_bar()
-        .zip(oracle.conditions.reference_bar(seen))
+        .zip(oracle.conditions.reference_bar(observation))
         .map(|(shown, reference)| shown - reference);
     [
         unless(fill == 0.0 || vent == 0.0, Promise::OneCoil, coils),
@@ -33,27 +33,27 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 6] {
             coils,
         ),
         unless(
-            seen.pressure_bar <= highest_bar,
+            observation.pressure_bar <= highest_bar,
             Promise::BelowSupply,
             || {
                 format!(
                     "{:.3} bar of a supply of {:.3} bar",
-                    seen.pressure_bar, oracle.supply_bar
+                    observation.pressure_bar, oracle.supply_bar
                 )
             },
         ),
         unless(
             !oracle.conditions.is_in_doubt() || is_shut,
             Promise::ShutInDoubt,
-            || format!("code {:?} and {}", seen.sensors.pressure, coils()),
+            || format!("code {:?} and {}", observation.sensors.pressure, coils()),
         ),
         unless(
-            oracle.conditions.reference_bar(seen).is_some() || !is_increased,
+            oracle.conditions.reference_bar(observation).is_some() || !is_increased,
             Promise::NoIncreaseWithoutReference,
             || {
                 format!(
                     "reference {:?} and {}, before {before:?}",
-                    seen.sensors.reference,
+                    observation.sensors.reference,
                     coils()
                 )
             },

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::Seen;
+use super::Observation;
 use crate::campaign::bounds;
 
 /// Duty cycles of the coils and pressures of the chamber, newest first.
@@ -26,11 +26,11 @@ impl Memory {
         self.pressures_bar.clear();
     }
 
-    pub(super) fn remember(&mut self, seen: &Seen) {
+    pub(super) fn remember(&mut self, observation: &Observation) {
         self.coils.truncate(SAMPLES - 1);
-        self.coils.push_front(seen.coils);
+        self.coils.push_front(observation.coils);
         self.pressures_bar.truncate(SAMPLES - 1);
-        self.pressures_bar.push_front(seen.pressure_bar);
+        self.pressures_bar.push_front(observation.pressure_bar);
     }
 
     /// Returns the duty cycles of the coils in the previous sample; `None` before the first.

@@ -8,11 +8,11 @@
 
 mod always;
 mod condition;
+mod during_reaction;
+mod fault_reaction;
 mod memory;
-mod on_the_way;
 mod permission;
 mod takeover;
-mod way;
 
 use core::fmt;
 
@@ -28,9 +28,9 @@ use memory::Memory;
 use permission::Permission;
 use takeover::Takeover;
 
-/// One sample as seen from outside.
+/// One sample as observation from outside.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct Observation {
     /// Sensors and reference sent to the target.
     pub sensors: Sensors,
     /// Resulting duty cycles of the coils of fill and vent valve (%).
@@ -47,7 +47,7 @@ pub struct Seen {
     pub is_released: bool,
 }
 
-impl Seen {
+impl Observation {
     /// Returns the pressure shown to the target (bar gauge); `None` for a code that a 12-bit converter cannot give.
     fn shown_bar(&self) -> Option<f64> {
         let code = self.sensors.pressure?;
@@ -156,26 +156,27 @@ impl Oracle {
     }
 
     /// Takes one sample with an answer of the target.
-    pub fn see(&mut self, seen: &Seen) {
-        if seen.is_first {
+    pub fn see(&mut self, observation: &Observation) {
+        if observation.is_first {
             self.conditions.forget();
             self.memory.forget();
             self.takeover = Takeover::default();
         }
-        self.conditions.look(seen, &self.memory);
-        self.permission.look(seen, &self.conditions);
-        self.takeover.look(seen, &self.memory, &self.conditions);
-        let broken = always::broken(seen, self)
+        self.conditions.look(observation, &self.memory);
+        self.permission.look(observation, &self.conditions);
+        self.takeover
+            .look(observation, &self.memory, &self.conditions);
+        let broken = always::broken(observation, self)
             .into_iter()
-            .chain(permission::broken(seen, self))
-            .chain(on_the_way::broken(seen, self))
-            .chain([self.takeover.broken(seen)])
-            .chain(self.liveness(seen));
+            .chain(permission::broken(observation, self))
+            .chain(during_reaction::broken(observation, self))
+            .chain([self.takeover.broken(observation)])
+            .chain(self.liveness(observation));
         let broken: Vec<(Promise, String)> = broken.flatten().collect();
         for (promise, evidence) in broken {
-            self.add(promise, seen.sensors.sample, evidence);
+            self.add(promise, observation.sensors.sample, evidence);
         }
-        self.memory.remember(seen);
+        self.memory.remember(observation);
     }
 
     /// Takes one sample in which the target restarted instead of answering: no coil may be driven.
@@ -205,16 +206,17 @@ impl Oracle {
         }
     }
 
-    fn liveness(&self, seen: &Seen) -> [Option<(Promise, String)>; 2] {
-        let sample = seen.sensors.sample;
-        let is_near = (seen.pressure_bar - seen.reference_bar).abs() <= bounds::LIVE_BAR;
+    fn liveness(&self, observation: &Observation) -> [Option<(Promise, String)>; 2] {
+        let sample = observation.sensors.sample;
+        let is_near =
+            (observation.pressure_bar - observation.reference_bar).abs() <= bounds::LIVE_BAR;
         let broken = |promise, is_due: bool| {
             let evidence = || {
-                let Seen {
+                let Observation {
                     pressure_bar,
                     reference_bar,
                     ..
-                } = seen;
+                } = observation;
                 format!("{pressure_bar:.3} bar at a reference of {reference_bar:.3} bar")
             };
             (is_due && !is_near).then(|| (promise, evidence()))

@@ -1,8 +1,8 @@
 //! Permission to fill.
 
 use super::condition::{Condition, Conditions};
-use super::way::Way;
-use super::{Finding, Oracle, Promise, Seen, unless};
+use super::fault_reaction::FaultReaction;
+use super::{Finding, Observation, Oracle, Promise, unless};
 use crate::campaign::bounds;
 
 /// Minimum time from one fault to another one that counts separately (samples): N of the slowest doubt and the
@@ -89,29 +89,29 @@ impl Permission {
         self.is_damaged
     }
 
-    pub(super) fn look(&mut self, seen: &Seen, conditions: &Conditions) {
-        if seen.is_first {
+    pub(super) fn look(&mut self, observation: &Observation, conditions: &Conditions) {
+        if observation.is_first {
             *self = Self::new(self.is_plain);
         }
-        if seen.is_released {
+        if observation.is_released {
             self.is_locked = self.is_damaged;
             self.answered = 0;
             self.needs_zero = true;
         }
-        let is_zero = seen
+        let is_zero = observation
             .sensors
             .reference
             .is_some_and(|bits| (-65536..=bounds::ZERO_MAX).contains(&bits));
         self.zero_for = if is_zero { self.zero_for + 1 } else { 0 };
-        self.answer(seen, conditions);
+        self.answer(observation, conditions);
         // A target that emptied the chamber in this sample still counts the zeros before it.
         if self.zero_for >= bounds::ZERO_N {
             self.needs_zero = false;
         }
-        self.come_back(seen, conditions);
+        self.come_back(observation, conditions);
     }
 
-    fn answer(&mut self, seen: &Seen, conditions: &Conditions) {
+    fn answer(&mut self, observation: &Observation, conditions: &Conditions) {
         let idle_for = self.idle_for;
         let is_answering = conditions.answered().next().is_some();
         self.idle_for = if is_answering {
@@ -127,43 +127,48 @@ impl Permission {
         }
         self.away_for = self.away_for.saturating_sub(1);
         for watch in conditions.answered() {
-            let given_up_after = match watch.way() {
-                Way::Hold => bounds::HOLD_SAMPLES + bounds::CHANGES,
-                Way::Ramp => bounds::RAMP_SAMPLES - bounds::VENT_SAMPLES + bounds::CHANGES,
-                Way::Release | Way::Vent | Way::Off | Way::Lock => 0,
+            let aborted_after = match watch.reaction() {
+                FaultReaction::Hold => bounds::HOLD_SAMPLES + bounds::CHANGES,
+                FaultReaction::Ramp => {
+                    bounds::RAMP_SAMPLES - bounds::VENT_SAMPLES + bounds::CHANGES
+                }
+                FaultReaction::Release
+                | FaultReaction::Vent
+                | FaultReaction::Off
+                | FaultReaction::Lock => 0,
             };
-            let is_bridged = watch.way() == Way::Hold
+            let is_bridged = watch.reaction() == FaultReaction::Hold
                 && watch.answered_for().is_none_or(|samples| samples < BRIDGED);
             if !is_bridged {
                 self.away_for = bounds::AWAY_SAMPLES;
             }
             self.needs_zero |= watch
                 .answered_for()
-                .is_some_and(|samples| samples >= given_up_after);
+                .is_some_and(|samples| samples >= aborted_after);
             self.is_damaged |= watch.condition == Condition::Memory;
         }
         self.is_locked |= self.is_damaged || self.answered > bounds::RETRIES;
         if !is_answering && idle_for == 0 && !self.needs_zero && !self.is_locked {
-            self.comeback = Some(Comeback::from(seen.pressure_bar));
+            self.comeback = Some(Comeback::from(observation.pressure_bar));
         }
     }
 
     /// Checks the recovery until it is over, or the next condition begins: before that is confirmed the valves may move
     /// freely.
-    fn come_back(&mut self, seen: &Seen, conditions: &Conditions) {
+    fn come_back(&mut self, observation: &Observation, conditions: &Conditions) {
         let is_watched = !self.needs_zero && conditions.is_calm();
         let comeback = self.comeback.filter(|_| is_watched);
-        self.comeback = comeback.and_then(|comeback| comeback.go_on(seen.reference_bar));
+        self.comeback = comeback.and_then(|comeback| comeback.go_on(observation.reference_bar));
     }
 }
 
 /// Returns the violated requirements on filling.
-pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
+pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 3] {
     let permission = &oracle.permission;
-    let [fill, _] = seen.coils;
+    let [fill, _] = observation.coils;
     let filled = || format!("fill {fill:.2} %");
     let comeback = permission.comeback.filter(|_| oracle.is_plain);
-    let is_smooth = comeback.is_none_or(|comeback| comeback.keeps(seen.pressure_bar));
+    let is_smooth = comeback.is_none_or(|comeback| comeback.keeps(observation.pressure_bar));
     [
         unless(
             fill == 0.0 || !permission.needs_zero,
@@ -178,7 +183,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> [Finding; 3] {
         unless(is_smooth, Promise::NoBump, || {
             format!(
                 "{:.3} bar after {:?}",
-                seen.pressure_bar, permission.comeback
+                observation.pressure_bar, permission.comeback
             )
         }),
     ]

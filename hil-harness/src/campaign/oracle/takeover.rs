@@ -2,7 +2,7 @@
 
 use super::condition::Conditions;
 use super::memory::Memory;
-use super::{Finding, Promise, Seen, unless};
+use super::{Finding, Observation, Promise, unless};
 use crate::campaign::bounds;
 
 /// First two duty cycles after both valves were shut. While pressure and reference are constant, no valve has time to
@@ -20,8 +20,13 @@ pub(super) struct Takeover {
 }
 
 impl Takeover {
-    pub(super) fn look(&mut self, seen: &Seen, memory: &Memory, conditions: &Conditions) {
-        let now_bar = believed_bar(seen, conditions);
+    pub(super) fn look(
+        &mut self,
+        observation: &Observation,
+        memory: &Memory,
+        conditions: &Conditions,
+    ) {
+        let now_bar = believed_bar(observation, conditions);
         let rests = self.before_bar.zip(now_bar).is_some_and(|(then, now)| {
             let [shown, reference] = [0, 1].map(|index| (now[index] - then[index]).abs());
             shown <= bounds::REST_BAR && reference <= bounds::RAMP_BAR_PER_SAMPLE
@@ -32,18 +37,19 @@ impl Takeover {
             0
         };
         let first_pct = self.first_pct.take().filter(|_| rests);
-        self.excess_pct = first_pct.map_or(0.0, |first| excess_pct(first, seen.coils));
+        self.excess_pct = first_pct.map_or(0.0, |first| excess_pct(first, observation.coils));
         let was_shut = [0, 1]
             .iter()
             .all(|&valve| memory.coil_settled(valve, |duty| duty == 0.0));
-        // A target may have seen a step for some samples before it accepted it.
-        let is_first = self.rested_for >= bounds::SETTLING && was_shut && seen.coils != [0.0; 2];
-        self.first_pct = is_first.then_some(seen.coils);
+        // A target may have observation a step for some samples before it accepted it.
+        let is_first =
+            self.rested_for >= bounds::SETTLING && was_shut && observation.coils != [0.0; 2];
+        self.first_pct = is_first.then_some(observation.coils);
         self.before_bar = now_bar;
     }
 
-    pub(super) fn broken(&self, seen: &Seen) -> Finding {
-        let [fill, vent] = seen.coils;
+    pub(super) fn broken(&self, observation: &Observation) -> Finding {
+        let [fill, vent] = observation.coils;
         let excess_pct = self.excess_pct;
         unless(excess_pct <= bounds::KICK_PCT, Promise::NoKick, || {
             format!(
@@ -53,9 +59,11 @@ impl Takeover {
     }
 }
 
-fn believed_bar(seen: &Seen, conditions: &Conditions) -> Option<[f64; 2]> {
-    let shown_bar = seen.shown_bar().filter(|_| !conditions.is_in_doubt())?;
-    Some([shown_bar, conditions.reference_bar(seen)?])
+fn believed_bar(observation: &Observation, conditions: &Conditions) -> Option<[f64; 2]> {
+    let shown_bar = observation
+        .shown_bar()
+        .filter(|_| !conditions.is_in_doubt())?;
+    Some([shown_bar, conditions.reference_bar(observation)?])
 }
 
 /// Returns the excess of the first duty cycle; a valve that only one of the two drives is not compared.

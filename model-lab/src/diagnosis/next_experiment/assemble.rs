@@ -2,10 +2,10 @@
 
 use super::super::verdict::DISTINGUISHABLE;
 use super::distance::Rival;
-use super::manoeuvre::Sequence;
 use super::result::{
-    Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
+    Limits, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor, TestSignal,
 };
+use super::test_signal::Sequence;
 
 /// Assembles the rivals with the excitations and sensors that distinguish them.
 pub(super) fn assemble(
@@ -36,7 +36,7 @@ pub(super) fn assemble(
         sequence: phases(&best.0),
         ranking: ranked
             .iter()
-            .map(|(sequence, distance)| Manoeuvre {
+            .map(|(sequence, distance)| TestSignal {
                 name: sequence.name.to_owned(),
                 about: sequence.about.to_owned(),
                 duration_s: sequence.duties.len() as f64 * sequence.interval_s,
@@ -95,7 +95,7 @@ fn sentence(
             },
         );
         format!(
-            "no manoeuvre within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \
+            "no test signal within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \
              of the noise, {DISTINGUISHABLE} are needed; {sensor}",
             best.name
         )

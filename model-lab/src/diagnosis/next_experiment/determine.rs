@@ -24,11 +24,11 @@ use super::super::unknowns::{Unknown, Unknowns};
 use super::assemble::phases;
 use super::check_parts;
 use super::determine_result::{
-    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingManoeuvre, ForeseenParameter,
+    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingTestSignal, ForeseenParameter,
 };
 use super::distance::{Noises, Unseen, made};
-use super::manoeuvre::{self, Sequence};
 use super::result::Limits;
+use super::test_signal::{self, Sequence};
 use super::{NoneRanked, ranked};
 
 /// Half width of a 95 % interval (standard deviations).
@@ -88,15 +88,15 @@ pub fn determining_experiment(
         asked,
         by_name,
     };
-    let sequences = manoeuvre::sequences(&[plant], &limits)?;
-    let manoeuvres = sequences.len();
-    report(watch, "manoeuvres", 0.0)?;
+    let sequences = test_signal::sequences(&[plant], &limits)?;
+    let test_signals = sequences.len();
+    report(watch, "test signals", 0.0)?;
     let foresee = |sequence: &Sequence| foresight.of(sequence);
     let found = ranked(sequences, watch, foresee, Foreseen::order);
     let found = found.map_err(|none| match none {
         NoneRanked::Stopped(error) => error,
         NoneRanked::NotSimulated { .. } | NoneRanked::NotShown => {
-            DiagnoseError::NoManoeuvreSimulated { manoeuvres }
+            DiagnoseError::NoTestSignalSimulated { test_signals }
         }
     })?;
     Ok(foresight.experiment(evidence.sources(), is_adequate, limits, &found))
@@ -275,7 +275,7 @@ impl Foresight<'_> {
             sequence: phases(best),
             ranking: ranked
                 .iter()
-                .map(|(sequence, foreseen)| self.manoeuvre(sequence, foreseen))
+                .map(|(sequence, foreseen)| self.test_signal(sequence, foreseen))
                 .collect(),
         }
     }
@@ -307,11 +307,11 @@ impl Foresight<'_> {
         }
     }
 
-    fn manoeuvre(&self, sequence: &Sequence, foreseen: &Foreseen) -> DeterminingManoeuvre {
+    fn test_signal(&self, sequence: &Sequence, foreseen: &Foreseen) -> DeterminingTestSignal {
         let determines = self.asked.iter().zip(&foreseen.half_widths);
         let determines =
             determines.filter(|&(&n, &width)| !self.is_known(n) && self.would_determine(n, width));
-        DeterminingManoeuvre {
+        DeterminingTestSignal {
             name: sequence.name.to_owned(),
             about: sequence.about.to_owned(),
             duration_s: sequence.duties.len() as f64 * sequence.interval_s,
@@ -336,6 +336,6 @@ fn sentence(best: &str, parameters: &[ForeseenParameter]) -> String {
         (true, ..) => "the plant file determines all of these parameters already".to_owned(),
         (_, false, true) => format!("\"{best}\" determines {gained}"),
         (_, false, false) => format!("\"{best}\" determines {gained}; it leaves {left} open"),
-        (_, true, _) => format!("no manoeuvre within the limits determines {left}"),
+        (_, true, _) => format!("no test signal within the limits determines {left}"),
     }
 }

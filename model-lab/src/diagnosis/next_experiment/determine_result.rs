@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::result::{Limits, Phase, rows};
 
 /// Name and version of the JSON format.
-pub const DETERMINING_EXPERIMENT_SCHEMA: &str = "retarder.determining-experiment/1";
+pub const DETERMINING_EXPERIMENT_SCHEMA: &str = "retarder.determining-experiment/2";
 
 /// Experiment that determines parameters which the plant file leaves undetermined.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DeterminingExperiment {
-    /// Name and version of this format, `retarder.determining-experiment/1`.
+    /// Name and version of this format, `retarder.determining-experiment/2`.
     pub schema: String,
     /// Sources of the logs from which the noise of the signals is known.
     pub logs: Vec<String>,
@@ -28,7 +28,7 @@ pub struct DeterminingExperiment {
     /// Requested parameters, with their intervals before and after the best excitation.
     pub parameters: Vec<ForeseenParameter>,
     /// Excitations that could be simulated, the best first.
-    pub ranking: Vec<DeterminingManoeuvre>,
+    pub ranking: Vec<DeterminingTestSignal>,
     /// Duty cycles of the best excitation.
     pub sequence: Vec<Phase>,
 }
@@ -58,7 +58,7 @@ pub struct ForeseenParameter {
 /// Excitation that the rig can run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct DeterminingManoeuvre {
+pub struct DeterminingTestSignal {
     /// Name of the excitation.
     pub name: String,
     /// Effect or parameter that it shows.

@@ -6,7 +6,7 @@ use super::super::estimation::{Determination, estimate};
 use super::super::knowledge::fix;
 use super::determine::determining_experiment;
 use super::distance::{Noises, made};
-use super::manoeuvre::sequences;
+use super::test_signal::sequences;
 use super::*;
 use crate::bench::Bench as Rig;
 
@@ -43,7 +43,7 @@ fn with_known_volume() -> PlantParameters {
 
 /// A pressure shows the ratio of flow and volume, so only the plant file can separate the flows from the volume.
 #[test]
-fn what_the_plant_file_knows_decides_what_a_manoeuvre_determines() {
+fn what_the_plant_file_knows_decides_what_a_test_signal_determines() {
     let open = asked(&PlantParameters::nominal(), &FLOWS).unwrap();
     assert!(!open.determines_all(), "{:?}", open.parameters);
     for parameter in &open.parameters {
@@ -61,7 +61,7 @@ fn what_the_plant_file_knows_decides_what_a_manoeuvre_determines() {
 
 /// Goal: the predicted interval is the one that is reached. Method: the rig runs the best excitation, and its log is fitted.
 #[test]
-fn a_fit_to_the_best_manoeuvre_has_the_interval_that_was_foreseen() {
+fn a_fit_to_the_best_test_signal_has_the_interval_that_was_foreseen() {
     let plant = with_known_volume();
     let what = [FLOWS[0], FLOWS[1], "armature.preload_fill_n"];
     let next = asked(&plant, &what).unwrap();

@@ -14,7 +14,7 @@ use super::super::log::Run;
 use super::super::trial::{Bench, Trial};
 use super::super::unknowns::Unknowns;
 use super::super::vector::{dot, square};
-use super::manoeuvre::Sequence;
+use super::test_signal::Sequence;
 use crate::noise::Noise;
 
 /// Plant as fitted to the logs.

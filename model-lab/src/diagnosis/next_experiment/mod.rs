@@ -10,9 +10,9 @@ mod determine_result;
 #[cfg(test)]
 mod determine_tests;
 mod distance;
-mod manoeuvre;
 mod result;
 mod sensors;
+mod test_signal;
 #[cfg(test)]
 mod tests;
 
@@ -31,14 +31,14 @@ use super::logged_supply::with_logged_supply;
 use super::search::{Watch, best_form, report};
 use super::trial::{Bench, Trial};
 use distance::{Noises, Rival, Unseen, distance};
-use manoeuvre::Sequence;
+use test_signal::Sequence;
 
 pub use determine::determining_experiment;
 pub use determine_result::{
-    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingManoeuvre, ForeseenParameter,
+    DETERMINING_EXPERIMENT_SCHEMA, DeterminingExperiment, DeterminingTestSignal, ForeseenParameter,
 };
 pub use result::{
-    Limits, Manoeuvre, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor,
+    Limits, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor, TestSignal,
 };
 
 /// Purpose of the experiment.
@@ -88,8 +88,8 @@ pub fn next_experiment(
     };
     let noises = Noises::of(&fitting);
     let plants: Vec<_> = rivals.iter().map(|rival| &rival.plant).collect();
-    let sequences = manoeuvre::sequences(&plants, &limits)?;
-    report(watch, "manoeuvres", 0.0)?;
+    let sequences = test_signal::sequences(&plants, &limits)?;
+    report(watch, "test signals", 0.0)?;
     let distance_on = |sequence: &Sequence| {
         let between = |a: &Rival, b: &Rival| distance(a, b, sequence, &noises);
         match question {
@@ -132,12 +132,12 @@ fn ranked<T: Send>(
     worth: impl Fn(&Sequence) -> Result<T, Unseen> + Sync,
     order: impl Fn(&T, &T) -> Ordering,
 ) -> Result<Vec<(Sequence, T)>, NoneRanked> {
-    let manoeuvres = sequences.len();
+    let test_signals = sequences.len();
     let tried = sequences
         .into_par_iter()
         .map(|sequence| {
             let worth = worth(&sequence);
-            report(watch, "manoeuvres", 0.5).map_err(NoneRanked::Stopped)?;
+            report(watch, "test signals", 0.5).map_err(NoneRanked::Stopped)?;
             Ok(worth.map(|worth| (sequence, worth)))
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -149,7 +149,7 @@ fn ranked<T: Send>(
         return Err(if is_unshown {
             NoneRanked::NotShown
         } else {
-            NoneRanked::NotSimulated { manoeuvres }
+            NoneRanked::NotSimulated { test_signals }
         });
     }
     ranked.sort_by(|a, b| order(&a.1, &b.1));
@@ -167,7 +167,7 @@ enum NoneRanked {
     /// The search was stopped.
     Stopped(DiagnoseError),
     /// No excitation can be simulated.
-    NotSimulated { manoeuvres: usize },
+    NotSimulated { test_signals: usize },
     /// The signals of the logs do not show the change due to a rival.
     NotShown,
 }
@@ -176,10 +176,12 @@ impl NoneRanked {
     fn error(self, rivals: &[Rival], noises: &Noises) -> DiagnoseError {
         match self {
             Self::Stopped(error) => error,
-            Self::NotSimulated { manoeuvres } => DiagnoseError::NoManoeuvreSimulated { manoeuvres },
+            Self::NotSimulated { test_signals } => {
+                DiagnoseError::NoTestSignalSimulated { test_signals }
+            }
             Self::NotShown => {
                 let ids = rivals.iter().filter_map(|rival| rival.effect.as_ref());
-                DiagnoseError::NoManoeuvreShows {
+                DiagnoseError::NoTestSignalShows {
                     effects: ids.map(|(id, _)| id.clone()).collect(),
                     logged: noises.signals().map(str::to_owned).collect(),
                 }

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the JSON format.
-pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/1";
+pub const NEXT_EXPERIMENT_SCHEMA: &str = "retarder.next-experiment/2";
 
 /// Limits of the commands to the rig.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,7 +39,7 @@ impl Limits {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NextExperiment {
-    /// Name and version of this format, `retarder.next-experiment/1`.
+    /// Name and version of this format, `retarder.next-experiment/2`.
     pub schema: String,
     /// Sources of the logs to which the rivals were fitted.
     pub logs: Vec<String>,
@@ -56,7 +56,7 @@ pub struct NextExperiment {
     /// The answer in words.
     pub sentence: String,
     /// Excitations that could be simulated, the best first.
-    pub ranking: Vec<Manoeuvre>,
+    pub ranking: Vec<TestSignal>,
     /// Duty cycles of the best excitation.
     pub sequence: Vec<Phase>,
     /// Sensors that the logs lack and that would distinguish the rivals, the best first.
@@ -76,7 +76,7 @@ pub struct RivalEffect {
 /// Excitation that the rig can run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Manoeuvre {
+pub struct TestSignal {
     /// Name of the excitation.
     pub name: String,
     /// Effects that it shows.

@@ -4,9 +4,9 @@ use plant_sim::{Command, PlantParameters, Simulator};
 
 use super::super::evidence::Evidence;
 use super::distance::Rival;
-use super::manoeuvre::Sequence;
-use super::manoeuvre::end_ns;
 use super::result::Sensor;
+use super::test_signal::Sequence;
+use super::test_signal::end_ns;
 use crate::measured::PRESSURE;
 
 /// Quantity that could also be logged.
@@ -106,14 +106,14 @@ pub(super) fn sensors(rivals: &[Rival], sequence: &Sequence, logged: &Evidence) 
         .iter()
         .filter(|quantity| !quantity.signal.is_some_and(is_logged))
         .map(|quantity| {
-            let courses: Vec<Vec<f64>> = rivals
+            let traces: Vec<Vec<f64>> = rivals
                 .iter()
-                .map(|rival| course(&rival.plant, sequence, quantity))
+                .map(|rival| trace(&rival.plant, sequence, quantity))
                 .collect();
-            let pairs = courses
+            let pairs = traces
                 .iter()
                 .enumerate()
-                .flat_map(|(n, a)| courses[..n].iter().map(move |b| (a, b)));
+                .flat_map(|(n, a)| traces[..n].iter().map(move |b| (a, b)));
             let rms = |(a, b): (&Vec<f64>, &Vec<f64>)| {
                 let square: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
                 (square / a.len() as f64).sqrt()
@@ -132,7 +132,7 @@ pub(super) fn sensors(rivals: &[Rival], sequence: &Sequence, logged: &Evidence) 
     sensors
 }
 
-fn course(plant: &PlantParameters, sequence: &Sequence, quantity: &Quantity) -> Vec<f64> {
+fn trace(plant: &PlantParameters, sequence: &Sequence, quantity: &Quantity) -> Vec<f64> {
     let mut simulator = Simulator::new(plant);
     let duties = sequence.duties.iter().enumerate();
     duties

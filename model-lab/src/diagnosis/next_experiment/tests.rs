@@ -59,7 +59,7 @@ fn asked(question: Question, limits: Limits) -> Result<NextExperiment, DiagnoseE
 }
 
 #[test]
-fn the_best_manoeuvre_tells_what_the_log_could_not() {
+fn the_best_test_signal_tells_what_the_log_could_not() {
     let next = asked(Question::Between(&RIVALS), LIMITS).unwrap();
     assert!(next.distance_now < DISTINGUISHABLE, "{}", next.distance_now);
     assert!(next.tells_apart(), "{next:?}");
@@ -107,7 +107,7 @@ fn expanded(next: &NextExperiment) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn every_manoeuvre_keeps_the_limits() {
+fn every_test_signal_keeps_the_limits() {
     let limits = Limits {
         duration_s: 5.0,
         max_bar: 3.0,
@@ -115,10 +115,10 @@ fn every_manoeuvre_keeps_the_limits() {
     };
     let next = asked(Question::For("gas_temperature"), limits).unwrap();
     assert!(next.ranking.len() >= 4);
-    for manoeuvre in &next.ranking {
+    for test_signal in &next.ranking {
         assert!(
-            manoeuvre.duration_s <= 5.0 && manoeuvre.highest_bar <= 3.0,
-            "{manoeuvre:?}"
+            test_signal.duration_s <= 5.0 && test_signal.highest_bar <= 3.0,
+            "{test_signal:?}"
         );
     }
     let duties = expanded(&next);
@@ -140,7 +140,7 @@ fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
     let mut plant = PlantParameters::nominal();
     plant.ecu.sample_time_s = 0.02;
     plant.ecu.pwm_frequency_hz = 25.0;
-    let sequences = manoeuvre::sequences(&[&plant], &LIMITS).unwrap();
+    let sequences = test_signal::sequences(&[&plant], &LIMITS).unwrap();
     assert!(sequences.len() >= 4);
     for sequence in &sequences {
         let base = sequence.recording();
@@ -160,7 +160,7 @@ fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
 }
 
 #[test]
-fn an_effect_that_was_not_excited_gets_a_manoeuvre() {
+fn an_effect_that_was_not_excited_gets_a_test_signal() {
     let next = asked(Question::For("chamber_leak"), LIMITS).unwrap();
     assert_eq!(next.rivals[0].effect, None);
     assert_eq!(next.rivals[1].effect.as_deref(), Some("chamber_leak"));
@@ -197,7 +197,7 @@ fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
     };
     let error = asked(Question::For("chamber_leak"), nothing).unwrap_err();
     assert!(
-        matches!(error, DiagnoseError::NoManoeuvre { .. }),
+        matches!(error, DiagnoseError::NoTestSignal { .. }),
         "{error}"
     );
     let error = asked(Question::Between(&["chamber_leak", "chamber_leek"]), LIMITS).unwrap_err();
@@ -205,7 +205,7 @@ fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
 }
 
 #[test]
-fn where_no_manoeuvre_tells_them_apart_it_says_so() {
+fn where_no_test_signal_tells_them_apart_it_says_so() {
     // The rig has neither effect.
     let log = poor_log(PlantParameters::nominal());
     let question = Question::Between(&["dead_volume", "sensor_lag"]);
@@ -223,7 +223,7 @@ fn where_no_manoeuvre_tells_them_apart_it_says_so() {
     .unwrap();
     assert!(!next.tells_apart(), "{:?}", next.ranking);
     assert!(
-        next.sentence.starts_with("no manoeuvre"),
+        next.sentence.starts_with("no test signal"),
         "{}",
         next.sentence
     );
@@ -263,7 +263,7 @@ fn a_plant_without_a_valve_or_without_a_chamber_is_refused() {
 
 /// Defect seen: an excitation that could not be simulated was ranked with a distance of 0.
 #[test]
-fn a_manoeuvre_without_a_distance_is_not_ranked() {
+fn a_test_signal_without_a_distance_is_not_ranked() {
     let sequence = |name: &'static str| Sequence {
         name,
         about: "",
@@ -287,7 +287,7 @@ fn a_manoeuvre_without_a_distance_is_not_ranked() {
         .collect();
     assert_eq!(names, ["good", "poor"]);
     let error = tried(|_| Err(Unseen::NotSimulated)).unwrap_err();
-    assert_eq!(error, NoneRanked::NotSimulated { manoeuvres: 3 });
+    assert_eq!(error, NoneRanked::NotSimulated { test_signals: 3 });
     let error = tried(|_| Err(Unseen::NotShown)).unwrap_err();
     assert_eq!(error, NoneRanked::NotShown);
 }

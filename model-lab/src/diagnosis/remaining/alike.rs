@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::super::log::Log;
 use super::super::vector::median;
-use super::course::in_force;
+use super::trace::in_force;
 
 /// Number of instants that are compared.
 const LIKE: usize = 12;

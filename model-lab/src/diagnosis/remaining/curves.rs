@@ -4,7 +4,7 @@
 use core::ops::Range;
 
 use super::super::result::{FlowCurve, FlowPoint};
-use super::course::{Course, Regime};
+use super::trace::{Regime, Trace};
 use crate::noise::Noise;
 use plant_sim::plant::{FILL, VENT};
 
@@ -37,7 +37,7 @@ struct Piece {
 }
 
 /// Returns the curves of the missing flow of all logs, the one that explains most first.
-pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
+pub(super) fn curves(traces: &[Trace]) -> Vec<FlowCurve> {
     let mut curves = Vec::new();
     let mut add =
         |against: &str, unit: &str, condition: &str, pieces: Vec<Piece>, edges: Option<&[f64]>| {
@@ -48,13 +48,11 @@ pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
         "p_ch",
         "bar",
         shut,
-        gather(courses, pressures_while_shut),
+        gather(traces, pressures_while_shut),
         None,
     );
     for (valve, after) in [(FILL, "after filling"), (VENT, "after venting")] {
-        let pieces = gather(courses, |course, cluster| {
-            relaxations(course, valve, cluster)
-        });
+        let pieces = gather(traces, |trace, cluster| relaxations(trace, valve, cluster));
         let condition = format!("{shut}, {after}");
         add(
             "time since the valves moved",
@@ -68,8 +66,8 @@ pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
         (FILL, Regime::Filling, "duty_fill"),
         (VENT, Regime::Venting, "duty_vent"),
     ] {
-        let pieces = gather(courses, |course, cluster| {
-            strokes(course, valve, regime, cluster)
+        let pieces = gather(traces, |trace, cluster| {
+            strokes(trace, valve, regime, cluster)
         });
         let of_time = pieces
             .iter()
@@ -86,40 +84,40 @@ pub(super) fn curves(courses: &[Course]) -> Vec<FlowCurve> {
 }
 
 /// Returns the pieces of all time series; a cluster belongs to one of them.
-fn gather(courses: &[Course], pieces: impl Fn(&Course, usize) -> Vec<Piece>) -> Vec<Piece> {
+fn gather(traces: &[Trace], pieces: impl Fn(&Trace, usize) -> Vec<Piece>) -> Vec<Piece> {
     let mut all: Vec<Piece> = Vec::new();
-    for course in courses {
+    for trace in traces {
         let first = all.iter().map(|piece| piece.cluster + 1).max().unwrap_or(0);
-        all.extend(pieces(course, first));
+        all.extend(pieces(trace, first));
     }
     all
 }
 
 /// Returns the end of the rows of `hold` up to `span_s` after its row `begin`.
-fn until(course: &Course, hold: &Range<usize>, begin: usize, span_s: f64) -> usize {
-    let times_s = course.times_s();
+fn until(trace: &Trace, hold: &Range<usize>, begin: usize, span_s: f64) -> usize {
+    let times_s = trace.times_s();
     let end_s = times_s[begin] + span_s;
     begin + times_s[begin..hold.end].partition_point(|&time_s| time_s < end_s - 1e-9)
 }
 
-fn pressures_while_shut(course: &Course, first_cluster: usize) -> Vec<Piece> {
+fn pressures_while_shut(trace: &Trace, first_cluster: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut cluster = first_cluster;
-    for hold in course.log.commands.holds(0.0) {
+    for hold in trace.log.commands.holds(0.0) {
         let mut begin = hold.start;
-        let mut cluster_s = course.times_s()[begin];
+        let mut cluster_s = trace.times_s()[begin];
         while begin < hold.end {
-            let end = until(course, &hold, begin, PIECE_S);
-            if course.times_s()[begin] - cluster_s >= CLUSTER_S {
+            let end = until(trace, &hold, begin, PIECE_S);
+            if trace.times_s()[begin] - cluster_s >= CLUSTER_S {
                 cluster += 1;
-                cluster_s = course.times_s()[begin];
+                cluster_s = trace.times_s()[begin];
             }
-            let pressures = course.channel.values[begin..end]
+            let pressures = trace.channel.values[begin..end]
                 .iter()
                 .filter(|p| p.is_finite());
             let count = pressures.clone().count();
             let mean = pressures.sum::<f64>() / count as f64;
-            pieces.extend(piece(course, begin..end, mean, cluster));
+            pieces.extend(piece(trace, begin..end, mean, cluster));
             begin = end;
         }
         cluster += 1;
@@ -128,11 +126,11 @@ fn pressures_while_shut(course: &Course, first_cluster: usize) -> Vec<Piece> {
 }
 
 /// Returns the slopes between the edges of the time after `valve` has closed.
-fn relaxations(course: &Course, valve: usize, first_cluster: usize) -> Vec<Piece> {
+fn relaxations(trace: &Trace, valve: usize, first_cluster: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
-    for (cluster, hold) in course.log.commands.holds(0.0).into_iter().enumerate() {
+    for (cluster, hold) in trace.log.commands.holds(0.0).into_iter().enumerate() {
         let opens = |valve, row: usize| {
-            course.in_force[row].is_some_and(|row| course.log.commands.opens(valve, row))
+            trace.in_force[row].is_some_and(|row| trace.log.commands.opens(valve, row))
         };
         let last = (0..hold.start)
             .rev()
@@ -140,15 +138,15 @@ fn relaxations(course: &Course, valve: usize, first_cluster: usize) -> Vec<Piece
         if !last.is_some_and(|row| opens(valve, row)) {
             continue;
         }
-        let begin_s = course.times_s()[hold.start];
+        let begin_s = trace.times_s()[hold.start];
         for edges in RELAXATION_EDGES_S.windows(2) {
             let row = |edge_s: f64| {
-                let times_s = &course.times_s()[hold.clone()];
+                let times_s = &trace.times_s()[hold.clone()];
                 hold.start + times_s.partition_point(|&time_s| time_s < begin_s + edge_s - 1e-9)
             };
             let at = f64::midpoint(edges[0], edges[1]);
             pieces.extend(piece(
-                course,
+                trace,
                 row(edges[0])..row(edges[1]),
                 at,
                 first_cluster + cluster,
@@ -159,26 +157,26 @@ fn relaxations(course: &Course, valve: usize, first_cluster: usize) -> Vec<Piece
 }
 
 /// Returns the pieces of constant duty in which only `valve` is energised.
-fn strokes(course: &Course, valve: usize, regime: Regime, first_cluster: usize) -> Vec<Piece> {
+fn strokes(trace: &Trace, valve: usize, regime: Regime, first_cluster: usize) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut row = 0;
-    while row < course.len() {
+    while row < trace.len() {
         let begin = row;
-        let duty = course.duty_pct(valve, begin);
+        let duty = trace.duty_pct(valve, begin);
         let is_same =
-            |row: usize| course.regimes[row] == regime && course.duty_pct(valve, row) == duty;
+            |row: usize| trace.regimes[row] == regime && trace.duty_pct(valve, row) == duty;
         row += 1;
         if !is_same(begin) {
             continue;
         }
-        let latest_s = course.times_s()[begin] + PIECE_S;
-        while row < course.len() && is_same(row) && course.times_s()[row] < latest_s {
+        let latest_s = trace.times_s()[begin] + PIECE_S;
+        while row < trace.len() && is_same(row) && trace.times_s()[row] < latest_s {
             row += 1;
         }
-        let cluster = (course.times_s()[begin] / CLUSTER_S) as usize;
+        let cluster = (trace.times_s()[begin] / CLUSTER_S) as usize;
         // The flow begins at the row before the first one.
         pieces.extend(piece(
-            course,
+            trace,
             begin.saturating_sub(1)..row,
             duty,
             first_cluster + cluster,
@@ -187,10 +185,10 @@ fn strokes(course: &Course, valve: usize, regime: Regime, first_cluster: usize) 
     pieces
 }
 
-fn piece(course: &Course, rows: Range<usize>, at: f64, cluster: usize) -> Option<Piece> {
+fn piece(trace: &Trace, rows: Range<usize>, at: f64, cluster: usize) -> Option<Piece> {
     let samples = rows.len();
-    let time_s = *course.times_s().get(rows.start)?;
-    let (bar_per_s, variance) = course.rate(rows)?;
+    let time_s = *trace.times_s().get(rows.start)?;
+    let (bar_per_s, variance) = trace.rate(rows)?;
     (samples >= 4).then_some(Piece {
         at,
         time_s,

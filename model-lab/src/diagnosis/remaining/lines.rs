@@ -15,8 +15,8 @@ use super::super::log::{Channel, Log};
 use super::super::result::SpectralLine;
 use super::super::vector::median;
 use super::alike::{Usual, usual, without_smooth_law};
-use super::course::{Course, Regime};
 use super::periodogram::{Samples, Wave};
+use super::trace::{Regime, Trace};
 
 /// Largest probability of a line in noise alone; it was fixed before any log was examined.
 const CHANCE: f64 = 1e-4;
@@ -71,15 +71,15 @@ pub(super) struct Sensitivity {
 impl<'a> Swing<'a> {
     /// Returns the oscillating cause in `regime`.
     pub(super) fn of_pressure(
-        course: &Course<'a>,
+        trace: &Trace<'a>,
         sensitivity: &Sensitivity,
         plant: &PlantParameters,
     ) -> Option<Self> {
-        let in_noise = |row: usize| sensitivity.bar[row] / course.floors_bar[row];
+        let in_noise = |row: usize| sensitivity.bar[row] / trace.floors_bar[row];
         let is_there = |row: usize| {
-            course.regimes[row] == sensitivity.regime && course.errors_bar[row].is_finite()
+            trace.regimes[row] == sensitivity.regime && trace.errors_bar[row].is_finite()
         };
-        let rows: Vec<usize> = (0..course.len()).filter(|&row| is_there(row)).collect();
+        let rows: Vec<usize> = (0..trace.len()).filter(|&row| is_there(row)).collect();
         let most = rows
             .iter()
             .map(|&row| in_noise(row).abs())
@@ -91,12 +91,12 @@ impl<'a> Swing<'a> {
         let values = rows.iter().map(|&row| {
             (
                 row,
-                course.errors_bar[row] / sensitivity.bar[row],
+                trace.errors_bar[row] / sensitivity.bar[row],
                 in_noise(row).powi(2),
             )
         });
         let (condition, unit) = (sensitivity.regime.name(), sensitivity.unit);
-        let swing = Self::new((course.channel, condition, unit), values, course.log, plant)?;
+        let swing = Self::new((trace.channel, condition, unit), values, trace.log, plant)?;
         Some(Self {
             largest: sensitivity.largest,
             ..swing

@@ -2,13 +2,13 @@
 //! single lost pulses.
 
 mod alike;
-mod course;
 mod curves;
 mod flow_table;
 mod lines;
 mod periodogram;
 mod pulses;
 mod sentences;
+mod trace;
 
 use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
@@ -16,8 +16,8 @@ use plant_sim::replay::Row;
 
 use super::log::Log;
 use super::result::{Remaining, SpectralLine};
-use course::{Course, Regime, predicted};
 use lines::{Sensitivity, Swing};
+use trace::{Regime, Trace, predicted};
 
 pub use flow_table::MissingFlow;
 
@@ -31,16 +31,16 @@ pub(crate) fn remaining(plant: &PlantParameters, logs: &[&Log], is_material: boo
     let Some(rows) = predicted(logs, plant) else {
         return Remaining::default();
     };
-    let courses: Vec<(usize, Course)> = logs
+    let traces: Vec<(usize, Trace)> = logs
         .iter()
         .zip(&rows)
         .enumerate()
-        .filter_map(|(n, (log, rows))| Some((n, Course::new(log, rows)?)))
+        .filter_map(|(n, (log, rows))| Some((n, Trace::new(log, rows)?)))
         .collect();
     let mut swings = Vec::new();
-    for sensitivities in sensitivities(plant, logs, &rows, &courses) {
-        for ((_, course), sensitivity) in courses.iter().zip(&sensitivities) {
-            swings.extend(Swing::of_pressure(course, sensitivity, plant));
+    for sensitivities in sensitivities(plant, logs, &rows, &traces) {
+        for ((_, trace), sensitivity) in traces.iter().zip(&sensitivities) {
+            swings.extend(Swing::of_pressure(trace, sensitivity, plant));
         }
     }
     for (log, rows) in logs.iter().zip(&rows) {
@@ -58,16 +58,16 @@ pub(crate) fn remaining(plant: &PlantParameters, logs: &[&Log], is_material: boo
             swings.extend(Swing::of_current(log, channel, &errors, plant));
         }
     }
-    let courses: Vec<Course> = courses.into_iter().map(|(_, course)| course).collect();
+    let traces: Vec<Trace> = traces.into_iter().map(|(_, trace)| trace).collect();
     let mut remaining = Remaining {
         sentences: Vec::new(),
         missing_flow: if is_material {
-            curves::curves(&courses)
+            curves::curves(&traces)
         } else {
             Vec::new()
         },
         spectral_lines: spectral_lines(swings),
-        lost_pulses: courses.iter().flat_map(pulses::lost_pulses).collect(),
+        lost_pulses: traces.iter().flat_map(pulses::lost_pulses).collect(),
     };
     remaining.sentences = sentences::sentences(&remaining, is_material);
     remaining
@@ -103,7 +103,7 @@ fn sensitivities(
     plant: &PlantParameters,
     logs: &[&Log],
     rows: &[Vec<Row>],
-    courses: &[(usize, Course)],
+    traces: &[(usize, Trace)],
 ) -> Vec<Vec<Sensitivity>> {
     let mut all = Vec::new();
     let supply = (
@@ -143,8 +143,8 @@ fn sensitivities(
         } else {
             plant.gas.supply_pressure_bar_gauge
         };
-        let of = |(n, course): &(usize, Course)| {
-            let column = course.channel.column;
+        let of = |(n, trace): &(usize, Trace)| {
+            let column = trace.channel.column;
             let pairs = moved[*n].iter().zip(&rows[*n]);
             let bar = pairs
                 .map(|(moved, row)| (moved[column] - row[column]) / step)
@@ -156,19 +156,19 @@ fn sensitivities(
                 bar,
             }
         };
-        all.push(courses.iter().map(of).collect());
+        all.push(traces.iter().map(of).collect());
     }
-    all.push(courses.iter().map(|(_, course)| leak(course)).collect());
+    all.push(traces.iter().map(|(_, trace)| leak(trace)).collect());
     all
 }
 
 /// Returns the influence of a missing rate on the prediction while both valves are shut.
-fn leak(course: &Course) -> Sensitivity {
-    let times_s = course.times_s();
-    let mut bar = vec![0.0; course.len()];
-    for row in 1..course.len() {
-        if course.regimes[row] == Regime::Shut {
-            let kept = 1.0 - course.log.predictor.gains[row - 1];
+fn leak(trace: &Trace) -> Sensitivity {
+    let times_s = trace.times_s();
+    let mut bar = vec![0.0; trace.len()];
+    for row in 1..trace.len() {
+        if trace.regimes[row] == Regime::Shut {
+            let kept = 1.0 - trace.log.predictor.gains[row - 1];
             bar[row] = kept * bar[row - 1] + times_s[row] - times_s[row - 1];
         }
     }
@@ -342,12 +342,12 @@ mod tests {
         let evidence = gather(&plant, [&rig.measure()]).unwrap();
         let logs: Vec<&Log> = evidence.logs.iter().collect();
         let rows = predicted(&logs, &plant).unwrap();
-        let courses = [(0, Course::new(logs[0], &rows[0]).unwrap())];
+        let traces = [(0, Trace::new(logs[0], &rows[0]).unwrap())];
         let lines = |weaker: f64| {
-            let mut supply = sensitivities(&plant, &logs, &rows, &courses).remove(0);
+            let mut supply = sensitivities(&plant, &logs, &rows, &traces).remove(0);
             let mut supply = supply.remove(0);
             supply.bar.iter_mut().for_each(|bar| *bar /= weaker);
-            let swing = Swing::of_pressure(&courses[0].1, &supply, &plant).unwrap();
+            let swing = Swing::of_pressure(&traces[0].1, &supply, &plant).unwrap();
             let trials = swing.trials();
             swing.lines(trials)
         };

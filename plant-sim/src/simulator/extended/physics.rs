@@ -78,7 +78,7 @@ impl Physics for Extended {
         gas::resting_pressure(&self.plant, areas, pressure)
     }
 
-    fn departing_force(
+    fn breakaway_force(
         &self,
         index: usize,
         valve: &ValveState,
@@ -100,12 +100,12 @@ impl Physics for Extended {
         }
     }
 
-    fn departing_force_now(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
+    fn breakaway_force_now(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
         let current = self.pulling_current(index, valve);
-        self.departing_force(index, valve, current, pressure, &self.extra)
+        self.breakaway_force(index, valve, current, pressure, &self.extra)
     }
 
-    fn departing_force_within<const N: usize, const M: usize>(
+    fn breakaway_force_within<const N: usize, const M: usize>(
         &self,
         index: usize,
         valve: &ValveState,
@@ -118,7 +118,7 @@ impl Physics for Extended {
             Some(slot) => flux::pulling_current(&self.plant, index, y[first_of(slot)], valve.x),
             None => current.at(time),
         };
-        self.departing_force(index, valve, current, y[0], &y[first_of(M)..])
+        self.breakaway_force(index, valve, current, y[0], &y[first_of(M)..])
     }
 
     fn direction(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
@@ -139,7 +139,7 @@ impl Physics for Extended {
 
     fn rebound(&self, index: usize, arrived: &ValveState, pressure: f64) -> f64 {
         let rebound = -self.plant.additions.restitution * arrived.v;
-        let away = self.departing_force_now(index, arrived, pressure);
+        let away = self.breakaway_force_now(index, arrived, pressure);
         let mass = self.plant.valves[index].armature.mass;
         // Up and down under a constant force: t = 2 m v / F.
         let too_short = -away * SHORTEST_FLIGHT > 2.0 * mass * rebound.abs();
@@ -308,9 +308,9 @@ impl Physics for Extended {
                 .follow_at_once(&self.plant.additions, end[sensed]);
             return;
         }
-        let course = span.cubic(sensed);
+        let trace = span.cubic(sensed);
         let start = [span.start[sensed], span.start_rate[sensed]];
-        let end = [end[sensed], course.rate_at(taken)];
+        let end = [end[sensed], trace.rate_at(taken)];
         self.sensor.follow(&self.plant.additions, taken, start, end);
     }
 

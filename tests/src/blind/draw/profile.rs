@@ -77,7 +77,7 @@ impl List {
         for duty in duties {
             self.fill_hold_vent(duty, chance);
         }
-        let mut manoeuvres: [fn(&mut Self, &mut Chance); 6] = [
+        let mut test_signals: [fn(&mut Self, &mut Chance); 6] = [
             Self::long_hold,
             |list, chance| list.stairs(1, chance),
             |list, chance| list.stairs(0, chance),
@@ -85,9 +85,9 @@ impl List {
             Self::heating,
             Self::rest,
         ];
-        chance.shuffle(&mut manoeuvres);
-        for manoeuvre in manoeuvres {
-            manoeuvre(self, chance);
+        chance.shuffle(&mut test_signals);
+        for test_signal in test_signals {
+            test_signal(self, chance);
         }
         self.chance(samples, true, chance);
     }

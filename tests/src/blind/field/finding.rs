@@ -18,13 +18,13 @@ pub struct Estimated {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct WithEffects {
     /// Errors, from the plant without the effects on.
-    ladder: Vec<EstimatedStep>,
+    error_steps: Vec<EstimatedStep>,
 }
 
 impl WithEffects {
     /// Returns the free-run check error after the last step (noise floors).
     pub fn free_run(&self) -> Option<Worst> {
-        let last = self.ladder.last()?;
+        let last = self.error_steps.last()?;
         worst(&last.free_run_check_rms, &last.noise_floor)
     }
 }

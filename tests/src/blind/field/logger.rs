@@ -302,7 +302,10 @@ fn row(
     // Further digits for finer steps.
     let more = logger.sensor_share.recip().log10().ceil().max(0.0) as usize;
     let digits = 4 + more;
-    _ = write!(text, "{logged_s:.6},{fill:.1},{vent:.1},{pressure:.digits$}");
+    _ = write!(
+        text,
+        "{logged_s:.6},{fill:.1},{vent:.1},{pressure:.digits$}"
+    );
     if logger.currents {
         for current in reading.currents {
             let current = current_ma(logger).read(1e3 * current, 1.0, chance);

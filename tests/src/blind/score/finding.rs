@@ -21,7 +21,7 @@ pub struct Finding {
     #[serde(default)]
     pub equivalents: BTreeMap<String, Vec<String>>,
     /// One row per step.
-    pub ladder: Vec<Step>,
+    pub error_steps: Vec<Step>,
     /// All effects that were tried alone.
     #[serde(default)]
     pub candidates: Vec<Candidate>,
@@ -99,7 +99,7 @@ impl Finding {
     /// Returns the named effects, each with the form of its law, in the notation of `retarder refine --add`.
     pub fn forms(&self) -> Vec<String> {
         let form = |effect: &String| {
-            let mut steps = self.ladder.iter();
+            let mut steps = self.error_steps.iter();
             let step = steps.find(|step| step.added.as_ref() == Some(effect));
             let variant = step.and_then(|step| step.variant.as_ref());
             variant.map_or_else(|| effect.clone(), |variant| format!("{effect}:{variant}"))
@@ -118,7 +118,7 @@ impl Finding {
 
     /// Returns the plain model, refitted.
     pub fn plain(&self) -> Option<&Step> {
-        let mut steps = self.ladder.iter();
+        let mut steps = self.error_steps.iter();
         steps.find(|step| step.kind != "plant_as_given")
     }
 
@@ -145,7 +145,7 @@ impl Finding {
 
     /// Returns the check error of the last step relative to the noise, of the signal with the largest one.
     pub fn last_over_floor(&self) -> f64 {
-        self.ladder.last().map_or(f64::NAN, |last| {
+        self.error_steps.last().map_or(f64::NAN, |last| {
             ratios(&last.check_rms, &last.noise_floor).fold(0.0, f64::max)
         })
     }
@@ -154,13 +154,13 @@ impl Finding {
 /// Errors of a model with one given effect, from `retarder refine --json`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Alone {
-    ladder: Vec<Step>,
+    error_steps: Vec<Step>,
 }
 
 impl Alone {
     /// Returns the excess in units of the noise, of the signal with the largest one.
     pub fn excess(&self) -> f64 {
-        let last = self.ladder.last();
+        let last = self.error_steps.last();
         last.map_or(f64::NAN, |last| excess(&last.check_rms, &last.noise_floor))
     }
 }

@@ -144,7 +144,7 @@ mod tests {
             verdict: String::new(),
             effects: effects.iter().map(|&id| id.to_owned()).collect(),
             equivalents: [].into(),
-            ladder: vec![Step {
+            error_steps: vec![Step {
                 kind: "parameters_refitted".to_owned(),
                 added: None,
                 variant: None,

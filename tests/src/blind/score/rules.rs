@@ -136,7 +136,7 @@ mod tests {
             verdict: String::new(),
             effects: vec![],
             equivalents: [].into(),
-            ladder: vec![Step {
+            error_steps: vec![Step {
                 kind: "parameters_refitted".to_owned(),
                 added: None,
                 variant: None,

@@ -3,7 +3,7 @@
 use recording::TimeBase;
 use serde::Serialize;
 
-use super::courses::{Course, Range};
+use super::traces::{Range, Trace};
 use crate::pyramid::{Pyramid, Series};
 use crate::refusal::Refusal;
 use crate::tolerance::Tolerance;
@@ -12,9 +12,9 @@ use crate::tolerance::Tolerance;
 #[derive(Serialize)]
 pub(super) struct Band {
     /// Lowest residual within the tolerance.
-    low: Course,
+    low: Trace,
     /// Highest residual within the tolerance.
-    high: Course,
+    high: Trace,
     /// Samples in the view with a residual.
     samples: usize,
     /// Share of these samples that is beyond the band.
@@ -53,14 +53,14 @@ impl Band {
         } else {
             0.0
         };
-        let course = |bound: &[f64]| match TimeBase::new(times_s[drawn.clone()].to_vec()) {
-            Ok(base) => Course::of((&base, bound, &Pyramid::new(bound)), range, points),
+        let trace = |bound: &[f64]| match TimeBase::new(times_s[drawn.clone()].to_vec()) {
+            Ok(base) => Trace::of((&base, bound, &Pyramid::new(bound)), range, points),
             // The view contains nothing of the log.
-            Err(_) => Ok(Course::default()),
+            Err(_) => Ok(Trace::default()),
         };
         Ok(Self {
-            low: course(&low)?,
-            high: course(&high)?,
+            low: trace(&low)?,
+            high: trace(&high)?,
             samples,
             beyond: share,
             beyond_max: tolerance.beyond_max,

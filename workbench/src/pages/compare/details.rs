@@ -6,8 +6,8 @@ use model_lab::result::Residual;
 use recording::{Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
-use super::courses::Range;
 use super::selection::picked;
+use super::traces::Range;
 use crate::pyramid::Series;
 use crate::refusal::Refusal;
 use crate::results::Compared;

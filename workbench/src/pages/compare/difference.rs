@@ -3,7 +3,7 @@
 use recording::{Quantity, Recording, Signal, TimeBase, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::courses::{Course, Metrics, Range};
+use super::traces::{Metrics, Range, Trace};
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::resample::{Between, at_instants};
@@ -12,7 +12,7 @@ use crate::shown_unit::{shown_unit, shown_values, unit_of_difference};
 
 /// Requested difference.
 #[derive(Deserialize)]
-pub(super) struct Wish {
+pub(super) struct Request {
     /// Log that is subtracted.
     other: u32,
     /// Interpolation between two samples; `None` decides by the quantity.
@@ -36,7 +36,7 @@ struct Difference {
     unit: &'static str,
     between: Between,
     /// This log minus the other one.
-    course: Course,
+    trace: Trace,
     /// Statistics of the samples in the view; `None` if the logs do not overlap.
     metrics: Option<Metrics>,
 }
@@ -45,12 +45,12 @@ struct Difference {
 pub(super) fn differences(
     session: &Session,
     number: u32,
-    wish: &Wish,
+    request: &Request,
 ) -> Result<Differences, Refusal> {
     let project = session.project();
     let parameters = project.plant.parameters()?;
-    let shift_s = project.log(wish.other)?.offset_s - project.log(number)?.offset_s;
-    let [this, other] = [session.log(number)?, session.log(wish.other)?];
+    let shift_s = project.log(request.other)?.offset_s - project.log(number)?.offset_s;
+    let [this, other] = [session.log(number)?, session.log(request.other)?];
     let this = &this.as_ref().as_ref().map_err(Clone::clone)?.recording;
     let other = &other.as_ref().as_ref().map_err(Clone::clone)?.recording;
     let of_signal = |signal: &Signal| {
@@ -60,7 +60,7 @@ pub(super) fn differences(
         if shown_unit(same, &parameters).0 != unit {
             return None;
         }
-        let between = wish.between.unwrap_or_else(|| usual(signal));
+        let between = request.between.unwrap_or_else(|| usual(signal));
         let values = [signal, same].map(|one| shown_values(one, &parameters));
         let difference = Pair {
             base: this.time_base(signal.time_base())?,
@@ -69,7 +69,7 @@ pub(super) fn differences(
             other_values: &values[1],
             shift_s,
         };
-        Some(difference.of(signal.name(), unit, between, wish))
+        Some(difference.of(signal.name(), unit, between, request))
     };
     let signals = this.signals().iter().filter_map(of_signal);
     Ok(Differences {
@@ -105,13 +105,13 @@ impl Pair<'_> {
         name: &str,
         unit: Unit,
         between: Between,
-        wish: &Wish,
+        request: &Request,
     ) -> Result<Difference, Refusal> {
         let view = Range {
-            from_s: wish.from_s,
-            to_s: wish.to_s,
+            from_s: request.from_s,
+            to_s: request.to_s,
         };
-        let range = view.with_beside(wish.beside)?;
+        let range = view.with_beside(request.beside)?;
         let ((seen, _), (within, _)) = (view.of(self.base)?, range.of(self.base)?);
         let times_s = &self.base.times_s()[within.clone()];
         let step_s = median_step_s(self.other_base);
@@ -122,20 +122,20 @@ impl Pair<'_> {
         );
         let pairs = self.values[within.clone()].iter().zip(other);
         let values: Vec<f64> = pairs.map(|(this, other)| this - other).collect();
-        let course = match TimeBase::new(times_s.to_vec()) {
-            Ok(base) => Course::of(
+        let trace = match TimeBase::new(times_s.to_vec()) {
+            Ok(base) => Trace::of(
                 (&base, &values[..], &Pyramid::new(&values[..])),
                 range,
-                wish.points,
+                request.points,
             )?,
             // The view contains nothing of this log.
-            Err(_) => Course::default(),
+            Err(_) => Trace::default(),
         };
         Ok(Difference {
             name: name.to_owned(),
             unit: unit_of_difference(unit),
             between,
-            course,
+            trace,
             metrics: Metrics::of(
                 values[seen.start - within.start..seen.end - within.start]
                     .iter()

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use recording::csv::Decimals;
 use recording::{Note, Provenance, Recording, Signal, TimeBase, TimeBaseId, Unit};
 
-use super::courses::Range;
+use super::traces::Range;
 use crate::refusal::Refusal;
 use crate::session::Session;
 
@@ -73,8 +73,8 @@ fn visible(
         let errors =
             errors.map(|(errors, unit)| (unit, errors.part(within.clone()).iter().collect()));
         let model = model.map(visible);
-        for (kind, course) in [("model", model), ("residual", errors)] {
-            let Some((unit, samples)) = course else {
+        for (kind, trace) in [("model", model), ("residual", errors)] {
+            let Some((unit, samples)) = trace else {
                 continue;
             };
             let wanted = format!("{}_{kind}", signal.name());

@@ -3,7 +3,7 @@
 use recording::{Quantity, Recording, Sampling, TimeBase};
 use serde::Serialize;
 
-use super::courses::{Range, mean_step_s};
+use super::traces::{Range, mean_step_s};
 use crate::refusal::Refusal;
 
 /// Largest number of intervals in a view; beyond it, each part of the view gets the state with the longest time in it.
@@ -39,26 +39,26 @@ impl State {
 
 /// Interval with one state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Stretch {
+pub(super) struct Segment {
     state: State,
     from_s: f64,
     to_s: f64,
 }
 
-impl Stretch {
+impl Segment {
     /// Appends an interval, joined with the previous one if both have the same state without a break.
-    fn append(self, stretches: &mut Vec<Self>) {
-        match stretches.last_mut() {
+    fn append(self, segments: &mut Vec<Self>) {
+        match segments.last_mut() {
             Some(last) if last.state == self.state && last.to_s >= self.from_s => {
                 last.to_s = self.to_s;
             }
-            _ => stretches.push(self),
+            _ => segments.push(self),
         }
     }
 }
 
 /// Returns the states in `range`; empty if the log does not have both duty cycles on one time base.
-pub(super) fn stretches(log: &Recording, range: Range) -> Result<Vec<Stretch>, Refusal> {
+pub(super) fn segments(log: &Recording, range: Range) -> Result<Vec<Segment>, Refusal> {
     let duty = |name| log.require(name, Quantity::DutyCycle).ok();
     let Some((fill, vent)) = duty("duty_fill").zip(duty("duty_vent")) else {
         return Ok(Vec::new());
@@ -83,54 +83,54 @@ fn held(
     base: &TimeBase,
     (fill, vent): (&[f64], &[f64]),
     rows: std::ops::Range<usize>,
-) -> Vec<Stretch> {
+) -> Vec<Segment> {
     let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
     let times_s = base.times_s();
-    let mut stretches = Vec::new();
+    let mut segments = Vec::new();
     for row in rows {
         let (from_s, Some(&to_s)) = (times_s[row], times_s.get(row + 1)) else {
             break;
         };
         let state = State::of(fill[row], vent[row]);
         if let Some(state) = state.filter(|_| to_s - from_s <= gap_s) {
-            let stretch = Stretch {
+            let segment = Segment {
                 state,
                 from_s,
                 to_s,
             };
-            stretch.append(&mut stretches);
+            segment.append(&mut segments);
         }
     }
-    stretches
+    segments
 }
 
 /// Returns at most the allowed number of intervals: in each part of the view the state with the longest time.
-fn longest_in_each_piece(all: &[Stretch], (from_s, to_s): (f64, f64)) -> Vec<Stretch> {
+fn longest_in_each_piece(all: &[Segment], (from_s, to_s): (f64, f64)) -> Vec<Segment> {
     let piece_s = (to_s - from_s) / STRETCHES_MAX as f64;
     let mut shown = Vec::new();
     let mut rest = all;
     for piece in 0..STRETCHES_MAX {
         // The end of a part equals the begin of the next bit by bit.
         let [begin_s, end_s] = [piece, piece + 1].map(|edge| from_s + edge as f64 * piece_s);
-        let gone = rest.partition_point(|stretch| stretch.to_s <= begin_s);
+        let gone = rest.partition_point(|segment| segment.to_s <= begin_s);
         rest = &rest[gone..];
-        let here = rest.iter().take_while(|stretch| stretch.from_s < end_s);
+        let here = rest.iter().take_while(|segment| segment.from_s < end_s);
         let mut lasts_s = [0.0; State::ALL.len()];
-        for stretch in here {
-            lasts_s[stretch.state as usize] +=
-                stretch.to_s.min(end_s) - stretch.from_s.max(begin_s);
+        for segment in here {
+            lasts_s[segment.state as usize] +=
+                segment.to_s.min(end_s) - segment.from_s.max(begin_s);
         }
         let longest = State::ALL
             .into_iter()
             .max_by(|&one, &other| lasts_s[one as usize].total_cmp(&lasts_s[other as usize]));
         let longest = longest.filter(|&state| lasts_s[state as usize] > 0.0);
         if let Some(state) = longest {
-            let stretch = Stretch {
+            let segment = Segment {
                 state,
                 from_s: begin_s,
                 to_s: end_s,
             };
-            stretch.append(&mut shown);
+            segment.append(&mut shown);
         }
     }
     shown
@@ -165,8 +165,8 @@ mod tests {
         let fill = [0.0, 30.0, 30.0, 0.0, 10.0, f64::NAN, 0.0, 0.0, 5.0, 5.0].to_vec();
         let vent = [0.0, 0.0, 0.0, 50.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec();
         // The pause of 93 s is longer than five mean steps.
-        let found = stretches(&log(times_s, fill, vent), all()).unwrap();
-        let stretch = |state, from_s, to_s| Stretch {
+        let found = segments(&log(times_s, fill, vent), all()).unwrap();
+        let segment = |state, from_s, to_s| Segment {
             state,
             from_s,
             to_s,
@@ -174,12 +174,12 @@ mod tests {
         assert_eq!(
             found,
             [
-                stretch(State::Shut, 0.0, 1.0),
-                stretch(State::Filling, 1.0, 3.0),
-                stretch(State::Venting, 3.0, 4.0),
-                stretch(State::Both, 4.0, 5.0),
-                stretch(State::Shut, 6.0, 7.0),
-                stretch(State::Filling, 100.0, 101.0),
+                segment(State::Shut, 0.0, 1.0),
+                segment(State::Filling, 1.0, 3.0),
+                segment(State::Venting, 3.0, 4.0),
+                segment(State::Both, 4.0, 5.0),
+                segment(State::Shut, 6.0, 7.0),
+                segment(State::Filling, 100.0, 101.0),
             ]
         );
     }
@@ -193,8 +193,8 @@ mod tests {
         let fill = (0..count).map(pulse).collect();
         let vent = (0..count).map(second_half).collect();
         let log = log(times_s, fill, vent);
-        let found = stretches(&log, all()).unwrap();
-        let states: Vec<State> = found.iter().map(|stretch| stretch.state).collect();
+        let found = segments(&log, all()).unwrap();
+        let states: Vec<State> = found.iter().map(|segment| segment.state).collect();
         assert_eq!(states, [State::Shut, State::Venting]);
         assert!((found[0].to_s - 200.0).abs() < 1.0);
         // In a short view, each pulse is shown.
@@ -202,8 +202,8 @@ mod tests {
             from_s: Some(10.0),
             to_s: Some(10.2),
         };
-        let found = stretches(&log, near).unwrap();
-        assert!(found.iter().any(|stretch| stretch.state == State::Filling));
+        let found = segments(&log, near).unwrap();
+        assert!(found.iter().any(|segment| segment.state == State::Filling));
     }
 
     #[test]
@@ -212,6 +212,6 @@ mod tests {
         let id = log.add_time_base(TimeBase::new(vec![0.0, 1.0]).unwrap());
         log.add_signal("p_ch", Unit::BarGauge, id, vec![1.0, 2.0])
             .unwrap();
-        assert_eq!(stretches(&log, all()).unwrap(), []);
+        assert_eq!(segments(&log, all()).unwrap(), []);
     }
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::courses::Range;
 use super::details::{residual_of, unit_of_errors};
+use super::traces::Range;
 use crate::histogram::Histogram;
 use crate::pyramid::Series;
 use crate::refusal::Refusal;
@@ -13,7 +13,7 @@ use crate::spectrum::Spectrum;
 
 /// Requested statistics.
 #[derive(Deserialize)]
-pub(super) struct Wish {
+pub(super) struct Request {
     signal: String,
     of: Side,
     from_s: Option<f64>,
@@ -49,7 +49,7 @@ pub(super) struct Spectral {
 }
 
 /// Values of a series in a range.
-struct Course {
+struct Trace {
     unit: String,
     noise: Option<f64>,
     times_s: Vec<f64>,
@@ -62,70 +62,74 @@ struct Course {
 pub(super) fn distribution(
     session: &Session,
     number: u32,
-    wish: &Wish,
+    request: &Request,
 ) -> Result<Distribution, Refusal> {
-    let course = Course::of(session, number, wish)?;
+    let trace = Trace::of(session, number, request)?;
     Ok(Distribution {
-        histogram: Histogram::of(&course.values),
-        unit: course.unit,
-        noise: course.noise,
+        histogram: Histogram::of(&trace.values),
+        unit: trace.unit,
+        noise: trace.noise,
     })
 }
 
 /// Returns the power spectral density of a series.
-pub(super) fn spectrum(session: &Session, number: u32, wish: &Wish) -> Result<Spectral, Refusal> {
-    let course = Course::of(session, number, wish)?;
-    let spectrum = course
+pub(super) fn spectrum(
+    session: &Session,
+    number: u32,
+    request: &Request,
+) -> Result<Spectral, Refusal> {
+    let trace = Trace::of(session, number, request)?;
+    let spectrum = trace
         .step_s
-        .and_then(|step_s| Spectrum::of(&course.times_s, &course.values, step_s));
-    let level = course.noise.zip(spectrum.as_ref());
+        .and_then(|step_s| Spectrum::of(&trace.times_s, &trace.values, step_s));
+    let level = trace.noise.zip(spectrum.as_ref());
     Ok(Spectral {
-        unit: course.unit,
+        unit: trace.unit,
         noise_level: level.map(|(noise, spectrum)| spectrum.of_white_noise(noise)),
         spectrum,
     })
 }
 
-impl Course {
-    fn of(session: &Session, number: u32, wish: &Wish) -> Result<Self, Refusal> {
+impl Trace {
+    fn of(session: &Session, number: u32, request: &Request) -> Result<Self, Refusal> {
         let compared = super::compared(session, number)?;
         let log = session.log(number)?;
         let log = log.as_ref().as_ref().map_err(Clone::clone)?;
         let traces = &compared.comparison.traces;
         let (residual, values);
         let found = || Refusal::not_found("signal");
-        let (base, values, unit, converter): (_, &dyn Series, _, _) = match wish.of {
+        let (base, values, unit, converter): (_, &dyn Series, _, _) = match request.of {
             Side::Residual => {
-                let (base, errors) = residual_of(&compared, &wish.signal)?;
-                let unit = unit_of_errors(&compared, &wish.signal);
+                let (base, errors) = residual_of(&compared, &request.signal)?;
+                let unit = unit_of_errors(&compared, &request.signal);
                 residual = errors;
                 (base, &residual, unit, None)
             }
             Side::Modelled => {
                 let run = &traces.free_run;
-                let model = run.signal(&wish.signal).ok_or_else(found)?;
-                let base = run.time_base_of(&wish.signal).ok_or_else(found)?;
+                let model = run.signal(&request.signal).ok_or_else(found)?;
+                let base = run.time_base_of(&request.signal).ok_or_else(found)?;
                 let unit = model.unit().symbol().to_owned();
                 values = model.values_or_nan();
                 (base, &values, unit, None)
             }
             Side::Measured => {
                 let log = &log.recording;
-                let measured = log.signal(&wish.signal).ok_or_else(found)?;
-                let base = log.time_base_of(&wish.signal).ok_or_else(found)?;
+                let measured = log.signal(&request.signal).ok_or_else(found)?;
+                let base = log.time_base_of(&request.signal).ok_or_else(found)?;
                 let (unit, converter) = shown_unit(measured, &compared.parameters);
                 values = measured.values_or_nan();
                 (base, &values, unit.symbol().to_owned(), converter)
             }
         };
         let range = Range {
-            from_s: wish.from_s,
-            to_s: wish.to_s,
+            from_s: request.from_s,
+            to_s: request.to_s,
         };
         let (within, _) = range.of(base)?;
         let signals = compared.comparison.signals.iter();
         let noise = signals
-            .filter(|one| one.name == wish.signal && wish.of != Side::Modelled)
+            .filter(|one| one.name == request.signal && request.of != Side::Modelled)
             .find_map(|one| one.noise_floor.value);
         let values = within.clone().map(|index| values.value(index));
         Ok(Self {

@@ -27,14 +27,14 @@ pub(super) async fn begin(
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
     Ok(begin_job(&session, move |session, job| {
-        let wish = project.closed_loop;
-        let all = f64::from(wish.rigs) * plants.len() as f64;
+        let request = project.closed_loop;
+        let all = f64::from(request.rigs) * plants.len() as f64;
         let mut done = 0.0;
         let mut judged = Vec::with_capacity(plants.len());
         for plant in plants {
-            let scenario = wish.scenario_on(&plant.parameters)?;
-            let mut rigs = Vec::with_capacity(wish.rigs as usize);
-            for rig in rigs::verdicts(&scenario, &REQUIREMENT, wish.rigs) {
+            let scenario = request.scenario_on(&plant.parameters)?;
+            let mut rigs = Vec::with_capacity(request.rigs as usize);
+            for rig in rigs::verdicts(&scenario, &REQUIREMENT, request.rigs) {
                 rigs.push(rig?);
                 done += 1.0;
                 if !job.goes_on(done / all) {
@@ -44,7 +44,7 @@ pub(super) async fn begin(
             judged.push((plant, rigs));
         }
         session.batch.keep(Batch {
-            wish,
+            request,
             plants: judged,
         });
         Ok(())

@@ -73,8 +73,8 @@ impl From<&NamedPlant> for PlantView {
 impl ControlView {
     pub(super) fn of(session: &Session) -> Result<Self, Refusal> {
         let project = session.project();
-        let wish = &project.closed_loop;
-        let values = controller_file::values(&wish.controller.toml);
+        let request = &project.closed_loop;
+        let values = controller_file::values(&request.controller.toml);
         let setting = |key: &'static controller_file::Key| SettingView {
             table: key.table,
             name: key.name,
@@ -96,16 +96,16 @@ impl ControlView {
                     about: built_in.about,
                 })
                 .collect(),
-            scenario: wish.scenario.clone(),
-            profile: wish.profile()?,
-            is_edited: wish.profile.is_some(),
+            scenario: request.scenario.clone(),
+            profile: request.profile()?,
+            is_edited: request.profile.is_some(),
             controller: ControllerView {
-                name: wish.controller.name.clone(),
-                toml: wish.controller.toml.clone(),
+                name: request.controller.name.clone(),
+                toml: request.controller.toml.clone(),
                 settings: KEYS.iter().map(setting).collect(),
             },
-            seed: wish.seed,
-            rigs: wish.rigs,
+            seed: request.seed,
+            rigs: request.rigs,
             plants: plants.iter().map(PlantView::from).collect(),
             problems,
             has_result: session.controlled.get().is_some(),
@@ -155,7 +155,7 @@ impl ResultView {
         Self {
             is_current: controlled.is_of(&session.project()),
             scenario: first.map_or(String::new(), |judged| judged.verdict.source.clone()),
-            controller: controlled.wish.controller.name.clone(),
+            controller: controlled.request.controller.name.clone(),
             requirement: RequirementView::THESIS,
             runs: runs.collect(),
         }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::calculated::Calculated;
 use crate::log_summary::LogSummary;
-use crate::project::{LogEntry, PlantFile, Strictness};
+use crate::project::{AcceptanceLimits, LogEntry, PlantFile};
 use crate::refusal::{Problem, Refusal};
 use crate::session::Session;
 
@@ -14,7 +14,7 @@ use crate::session::Session;
 pub(super) struct ProjectView {
     logs: Vec<LogView>,
     plant: PlantView,
-    strictness: Strictness,
+    strictness: AcceptanceLimits,
     calculated: Vec<Calculated>,
 }
 

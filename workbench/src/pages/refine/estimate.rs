@@ -15,18 +15,18 @@ use crate::refusal::Refusal;
 pub(super) async fn estimate(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Fitting>,
+    Json(request): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
-    let (session, history) = fitting(&sessions, id, &wish)?;
+    let (session, history) = fitting(&sessions, id, &request)?;
     Ok(begin_job(&session, move |session, job| {
         let now = history.now();
-        let logs = session.recordings(&wish.chosen.logs)?;
-        let check = session.recordings(&wish.chosen.check)?;
-        note_errors(session, wish.log)?;
+        let logs = session.recordings(&request.chosen.logs)?;
+        let check = session.recordings(&request.chosen.check)?;
+        note_errors(session, request.log)?;
         let plant = now.plant.parameters()?;
         let estimated = estimate_parameters(&plant, &logs, &check, &|seen| job.watch(seen))?;
         add_fitted(session, job, now, estimated_step(now, estimated))?;
-        note_errors(session, wish.log)
+        note_errors(session, request.log)
     }))
 }
 

@@ -10,7 +10,7 @@ use model_lab::diagnosis::next_experiment::{DeterminingExperiment, determining_e
 use serde::Deserialize;
 
 use super::{Fitting, fitting};
-use crate::pages::experiment_limits::WishedLimits;
+use crate::pages::experiment_limits::RequestedLimits;
 use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
 use crate::results::Determining;
@@ -18,19 +18,19 @@ use crate::session::Session;
 
 /// Request for an experiment.
 #[derive(Deserialize)]
-pub(super) struct Wish {
+pub(super) struct Request {
     #[serde(flatten)]
     fitting: Fitting,
-    limits: WishedLimits,
+    limits: RequestedLimits,
 }
 
 /// Begins to plan, with the current plant and the noise of the training logs.
 pub(super) async fn plan(
     State(sessions): Shared,
     Path(id): Path<String>,
-    Json(wish): Json<Wish>,
+    Json(request): Json<Request>,
 ) -> Result<Json<Begun>, Refusal> {
-    let (session, history) = fitting(&sessions, id, &wish.fitting)?;
+    let (session, history) = fitting(&sessions, id, &request.fitting)?;
     if history.base().estimation.is_none() {
         return Err(Refusal::too_early(
             "the ordinary parameters are not estimated yet; estimate them first",
@@ -38,9 +38,9 @@ pub(super) async fn plan(
     }
     let plant = history.now().plant.clone();
     let parameters = plant.parameters()?;
-    let limits = wish.limits.of(&parameters)?;
+    let limits = request.limits.of(&parameters)?;
     Ok(begin_job(&session, move |session, job| {
-        let logs = session.recordings(&wish.fitting.chosen.logs)?;
+        let logs = session.recordings(&request.fitting.chosen.logs)?;
         let watch = |seen| job.watch(seen);
         let next = determining_experiment(&parameters, &logs, &["all"], limits, &watch)?;
         if !job.is_cancelled() {

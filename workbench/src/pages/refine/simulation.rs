@@ -11,7 +11,7 @@ use super::change::moved;
 use super::history;
 use crate::history::{History, Step, StepError};
 use crate::lock::lock;
-use crate::pages::compare::courses::{Course, Range};
+use crate::pages::compare::traces::{Range, Trace};
 use crate::plant_file::PlantFile;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
@@ -42,7 +42,7 @@ pub(super) struct Simulation {
     simulation_ms: f64,
     signals: Vec<SignalRun>,
     /// Error steps, from the plant as opened to the last effect that is on.
-    ladder: Vec<Rung>,
+    error_steps: Vec<Rung>,
 }
 
 /// Modelled series of a signal that is also measured.
@@ -51,7 +51,7 @@ struct SignalRun {
     name: String,
     unit: &'static str,
     error: StepError,
-    model: Course,
+    model: Trace,
 }
 
 /// Row of the error steps.
@@ -87,7 +87,7 @@ pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Ref
     let signals = errors.iter().filter_map(|error| {
         let signal = run.model.signal(&error.signal)?;
         let values = signal.values_or_nan();
-        let model = Course::of((base, values, &Pyramid::new(values)), range, view.points);
+        let model = Trace::of((base, values, &Pyramid::new(values)), range, view.points);
         Some(model.map(|model| SignalRun {
             name: error.signal.clone(),
             unit: unit_of(&error.signal),
@@ -99,7 +99,7 @@ pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Ref
         log_s: base.end_s() - base.start_s(),
         simulation_ms,
         signals: signals.collect::<Result<_, _>>()?,
-        ladder: ladder((session, view.log, log), &history, &step, &errors)?,
+        error_steps: error_steps((session, view.log, log), &history, &step, &errors)?,
     })
 }
 
@@ -111,7 +111,7 @@ fn unit_of(name: &str) -> &'static str {
 
 /// Returns the errors of the plant as opened, then with the ordinary parameters of `step`, then with one effect after
 /// the other, so that no effect is credited with the fit of the ordinary parameters. The errors of `step` are known.
-fn ladder(
+fn error_steps(
     (session, number, log): (&Session, u32, &LoadedLog),
     history: &History,
     step: &Step,

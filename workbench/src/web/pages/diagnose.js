@@ -7,7 +7,7 @@ import * as view from "../view.js";
 import { Candidates } from "./diagnose/candidates.js";
 import { Experiment } from "./diagnose/experiment.js";
 import { Remaining } from "./diagnose/remaining.js";
-import { ladder, rungsOf } from "./ladder.js";
+import { errorSteps, rungsOf } from "./error-steps.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
 
@@ -90,7 +90,7 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the noise floor (the line at 1).`),
-            ladder(rungsOf(diagnosis.ladder)), this.freeRun(diagnosis)),
+            errorSteps(rungsOf(diagnosis.error_steps)), this.freeRun(diagnosis)),
           this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
     remaining.redraw();
@@ -117,7 +117,7 @@ class Page {
   }
 
   /** Returns the free-run errors, which Compare and Refine show, and the reason why they are larger. */
-  freeRun({ ladder: steps }) {
+  freeRun({ error_steps: steps }) {
     const last = steps.at(-1);
     const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])
       .map(([signal, rms]) => `${signal} ${number(rms / last.noise_floor[signal], 3)} × noise`);

@@ -4,7 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, tellProblems } from "../dom.js";
 import { number } from "../format.js";
 import * as view from "../view.js";
-import { ladder, rungsOf } from "./ladder.js";
+import { errorSteps, rungsOf } from "./error-steps.js";
 import { Effects } from "./refine/effects.js";
 import { estimated } from "./refine/estimation.js";
 import { Experiment } from "./refine/experiment.js";
@@ -64,7 +64,7 @@ class Page {
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
       element("div", { class: "columns plots" },
         element("div", { class: "stack" },
-          element("section", { class: "card", id: "ladder" },
+          element("section", { class: "card", id: "error-steps" },
             element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its current ordinary parameters, then with one more effect in each row.`),
             this.rungs, this.cost),
@@ -133,7 +133,7 @@ class Page {
       fill(this.fitted, element("h2", {}, "Last fit"),
         element("p", {}, `${state.fit.sentence[0].toUpperCase()}${state.fit.sentence.slice(1)}.`),
         element("p", { class: "quiet" }, `All parameters refitted for each row. Validation on ${state.fit.held_out}: one-step-ahead errors, as on Diagnose.`),
-        ladder(rungsOf(state.fit.ladder)));
+        errorSteps(rungsOf(state.fit.error_steps)));
     }
     this.estimated.hidden = !state.estimation;
     if (state.estimation) fill(this.estimated, estimated(state.estimation));
@@ -171,7 +171,7 @@ class Page {
       const run = await api.get(`/refine/simulation?${query}`, this.ending.signal);
       if (turn < this.drawn) return;
       this.drawn = turn;
-      this.showLadder(run.ladder);
+      this.showErrorSteps(run.error_steps);
       await this.plots.take(run.signals);
       this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, displayed after ${number(performance.now() - begin, 3)} ms.`;
       Object.assign(this.cost.dataset, { simulation: run.simulation_ms, screen: performance.now() - begin });
@@ -181,9 +181,9 @@ class Page {
   }
 
   /** Moves the bars from their previous lengths; the bars of a new row start at the errors of the plant as opened. */
-  showLadder(rungs) {
+  showErrorSteps(rungs) {
     const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
-    fill(this.rungs, ladder(rungs));
+    fill(this.rungs, errorSteps(rungs));
     [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
       const from = before[index] ?? before[0] ?? [];
       rung.querySelectorAll(".fill").forEach((bar, signal) => {

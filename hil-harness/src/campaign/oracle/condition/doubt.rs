@@ -2,7 +2,7 @@
 
 use super::rig::Rig;
 use crate::campaign::bounds;
-use crate::campaign::oracle::Seen;
+use crate::campaign::oracle::Observation;
 
 /// Doubts about the pressure: a missing code, a code outside the range, or a jump.
 #[derive(Debug, Default)]
@@ -20,8 +20,8 @@ pub(super) struct Doubt {
 
 impl Doubt {
     /// Takes one sample; returns whether its pressure is implausible.
-    pub(super) fn look(&mut self, rig: &Rig, seen: &Seen) -> bool {
-        self.is_present = self.speaks_against(rig, seen);
+    pub(super) fn look(&mut self, rig: &Rig, observation: &Observation) -> bool {
+        self.is_present = self.speaks_against(rig, observation);
         self.is_present
     }
 
@@ -40,15 +40,16 @@ impl Doubt {
         self.steady_for >= bounds::SETTLING
     }
 
-    fn speaks_against(&mut self, rig: &Rig, seen: &Seen) -> bool {
+    fn speaks_against(&mut self, rig: &Rig, observation: &Observation) -> bool {
         let highest_bar = rig.supply_max_bar + bounds::ABOVE_SUPPLY_BAR + 0.01;
         let is_code = |bar: f64| {
-            seen.sensors
+            observation
+                .sensors
                 .pressure
                 .is_some_and(|code| code >= bounds::CODE_MIN)
                 && bar <= highest_bar
         };
-        let Some(shown_bar) = seen.shown_bar().filter(|&bar| is_code(bar)) else {
+        let Some(shown_bar) = observation.shown_bar().filter(|&bar| is_code(bar)) else {
             self.sound_for = 0;
             return true;
         };

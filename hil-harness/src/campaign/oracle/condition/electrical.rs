@@ -2,7 +2,7 @@
 
 use super::rig::Rig;
 use crate::campaign::bounds;
-use crate::campaign::oracle::Seen;
+use crate::campaign::oracle::Observation;
 use crate::campaign::oracle::memory::Memory;
 
 /// Returns whether the coil of this valve, with this current, is open, and whether it is short.
@@ -21,10 +21,11 @@ pub(super) fn coil(rig: &Rig, valve: usize, current_ma: Option<u16>, memory: &Me
 }
 
 /// Returns whether the battery is outside its window.
-pub(super) fn battery(rig: &Rig, seen: &Seen) -> bool {
+pub(super) fn battery(rig: &Rig, observation: &Observation) -> bool {
     let [min_mv, max_mv] = rig.battery_mv;
     let is_outside = |mv: f64| mv < min_mv - 1.0 || mv > max_mv + 1.0;
-    seen.sensors
+    observation
+        .sensors
         .battery_mv
         .map(f64::from)
         .is_some_and(is_outside)

@@ -10,9 +10,9 @@ mod watch;
 
 use ecu::Supervision;
 
-use super::Seen;
+use super::Observation;
+use super::fault_reaction::FaultReaction;
 use super::memory::Memory;
-use super::way::Way;
 use crate::campaign::bounds;
 use doubt::Doubt;
 use electrical::{battery, coil};
@@ -61,21 +61,21 @@ impl Condition {
     ];
 
     /// Returns N (samples) and the reaction.
-    const fn rule(self) -> (u32, Way) {
+    const fn rule(self) -> (u32, FaultReaction) {
         match self {
-            Self::Doubt => (bounds::DOUBT_N, Way::Hold),
+            Self::Doubt => (bounds::DOUBT_N, FaultReaction::Hold),
             // The condition contains its own count.
-            Self::Stuck => (1, Way::Release),
-            Self::Offset => (1, Way::Vent),
-            Self::TooLittle => (bounds::RESPONSE_N, Way::Ramp),
-            Self::TooMuch => (bounds::RESPONSE_N, Way::Vent),
-            Self::FillCoilOpen => (bounds::COIL_N, Way::Ramp),
-            Self::FillCoilShort => (bounds::COIL_N, Way::Vent),
-            Self::VentCoilOpen | Self::VentCoilShort => (bounds::COIL_N, Way::Off),
-            Self::Battery => (bounds::BATTERY_N, Way::Hold),
-            Self::SampleTime => (bounds::SAMPLE_TIME_N, Way::Release),
-            Self::Reference => (bounds::REFERENCE_N, Way::Ramp),
-            Self::Memory => (bounds::MEMORY_N, Way::Lock),
+            Self::Stuck => (1, FaultReaction::Release),
+            Self::Offset => (1, FaultReaction::Vent),
+            Self::TooLittle => (bounds::RESPONSE_N, FaultReaction::Ramp),
+            Self::TooMuch => (bounds::RESPONSE_N, FaultReaction::Vent),
+            Self::FillCoilOpen => (bounds::COIL_N, FaultReaction::Ramp),
+            Self::FillCoilShort => (bounds::COIL_N, FaultReaction::Vent),
+            Self::VentCoilOpen | Self::VentCoilShort => (bounds::COIL_N, FaultReaction::Off),
+            Self::Battery => (bounds::BATTERY_N, FaultReaction::Hold),
+            Self::SampleTime => (bounds::SAMPLE_TIME_N, FaultReaction::Release),
+            Self::Reference => (bounds::REFERENCE_N, FaultReaction::Ramp),
+            Self::Memory => (bounds::MEMORY_N, FaultReaction::Lock),
         }
     }
 }
@@ -127,31 +127,31 @@ impl Conditions {
         self.past = Past::none();
     }
 
-    pub(super) fn look(&mut self, seen: &Seen, memory: &Memory) {
-        let reference_bar = self.reference_bar(seen);
+    pub(super) fn look(&mut self, observation: &Observation, memory: &Memory) {
+        let reference_bar = self.reference_bar(observation);
         let Self { rig, past } = self;
-        let shown_bar = seen.shown_bar();
+        let shown_bar = observation.shown_bar();
         past.last_reference_bar = reference_bar.unwrap_or(past.last_reference_bar);
-        let is_in_doubt = past.doubt.look(rig, seen);
+        let is_in_doubt = past.doubt.look(rig, observation);
         let believed_bar = shown_bar.filter(|_| past.doubt.is_long_over());
         let [too_little, too_much] = past.response.look(rig, believed_bar, memory);
-        let [fill_open, fill_short] = coil(rig, 0, seen.sensors.current_fill_ma, memory);
-        let [vent_open, vent_short] = coil(rig, 1, seen.sensors.current_vent_ma, memory);
+        let [fill_open, fill_short] = coil(rig, 0, observation.sensors.current_fill_ma, memory);
+        let [vent_open, vent_short] = coil(rig, 1, observation.sensors.current_vent_ma, memory);
         let in_time = bounds::ELAPSED_MIN_US..=bounds::ELAPSED_MAX_US;
         let present = [
             is_in_doubt,
-            past.stuck.look(rig, seen, memory),
-            past.offset.look(rig, seen, memory),
+            past.stuck.look(rig, observation, memory),
+            past.offset.look(rig, observation, memory),
             too_little,
             too_much,
             fill_open,
             fill_short,
             vent_open,
             vent_short,
-            battery(rig, seen),
-            !in_time.contains(&seen.sensors.elapsed_us),
+            battery(rig, observation),
+            !in_time.contains(&observation.sensors.elapsed_us),
             reference_bar.is_none(),
-            seen.is_damaged,
+            observation.is_damaged,
         ];
         for (watch, is_present) in past.watches.iter_mut().zip(present) {
             watch.look(is_present, past.calm_for);
@@ -192,8 +192,8 @@ impl Conditions {
     }
 
     /// Returns the reference on the wire (bar gauge), if it is possible.
-    pub(super) fn reference_bar(&self, seen: &Seen) -> Option<f64> {
-        let bar = f64::from(seen.sensors.reference?) / 65536.0;
+    pub(super) fn reference_bar(&self, observation: &Observation) -> Option<f64> {
+        let bar = f64::from(observation.sensors.reference?) / 65536.0;
         (-1.0..=self.rig.supply_max_bar)
             .contains(&bar)
             .then_some(bar)

@@ -2,7 +2,7 @@
 
 use super::rig::Rig;
 use crate::campaign::bounds;
-use crate::campaign::oracle::Seen;
+use crate::campaign::oracle::Observation;
 use crate::campaign::oracle::memory::Memory;
 
 /// Pressure for N samples with the vent valve open and the fill valve shut.
@@ -14,10 +14,10 @@ pub(super) struct Offset {
 }
 
 impl Offset {
-    pub(super) fn look(&mut self, rig: &Rig, seen: &Seen, memory: &Memory) -> bool {
+    pub(super) fn look(&mut self, rig: &Rig, observation: &Observation, memory: &Memory) -> bool {
         let is_vented = memory.coil_settled(1, |duty| duty >= rig.open_pct[1])
             && memory.coil_settled(0, |duty| duty == 0.0);
-        let is_shown = seen
+        let is_shown = observation
             .shown_bar()
             .is_some_and(|shown| shown > bounds::EMPTY_BAR + 0.01);
         self.evidence = match (is_shown, is_vented) {

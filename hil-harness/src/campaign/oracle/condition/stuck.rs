@@ -2,7 +2,7 @@
 
 use super::rig::Rig;
 use crate::campaign::bounds;
-use crate::campaign::oracle::Seen;
+use crate::campaign::oracle::Observation;
 use crate::campaign::oracle::memory::Memory;
 
 /// One code for N samples in which a valve was driven and had a pressure to move.
@@ -13,14 +13,14 @@ pub(super) struct Stuck {
 }
 
 impl Stuck {
-    pub(super) fn look(&mut self, rig: &Rig, seen: &Seen, memory: &Memory) -> bool {
+    pub(super) fn look(&mut self, rig: &Rig, observation: &Observation, memory: &Memory) -> bool {
         let [fill, vent] = memory.coils().unwrap_or_default();
-        let is_driven = seen.shown_bar().is_some_and(|shown| {
+        let is_driven = observation.shown_bar().is_some_and(|shown| {
             fill > 0.0 && shown < rig.supply_min_bar - 0.01
                 || vent > 0.0 && shown > bounds::ROOM_TO_FALL_BAR
         });
-        if seen.sensors.pressure.is_none() || seen.sensors.pressure != self.code {
-            self.code = seen.sensors.pressure;
+        if observation.sensors.pressure.is_none() || observation.sensors.pressure != self.code {
+            self.code = observation.sensors.pressure;
             self.unmoved = 0;
         } else if is_driven {
             self.unmoved += 1;

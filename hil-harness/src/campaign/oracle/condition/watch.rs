@@ -2,7 +2,7 @@
 
 use super::Condition;
 use crate::campaign::bounds;
-use crate::campaign::oracle::way::Way;
+use crate::campaign::oracle::fault_reaction::FaultReaction;
 
 /// Condition over time.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ impl Watch {
         }
     }
 
-    pub(in crate::campaign::oracle) fn way(&self) -> Way {
+    pub(in crate::campaign::oracle) fn reaction(&self) -> FaultReaction {
         self.condition.rule().1
     }
 

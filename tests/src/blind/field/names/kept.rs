@@ -31,8 +31,7 @@ impl Kept {
             let Some(rig) = rigs.iter().find(|rig| rig.answer.rig == *name) else {
                 continue;
             };
-            kept.sensor_share =
-                better.answer.logger.sensor_share / rig.answer.logger.sensor_share;
+            kept.sensor_share = better.answer.logger.sensor_share / rig.answer.logger.sensor_share;
             for named in rig.hidden().filter(|one| one.is_named) {
                 let id = &named.hidden.effect;
                 let is_kept = better
@@ -63,7 +62,11 @@ impl NamedRig {
 impl fmt::Display for Kept {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let share = self.sensor_share;
-        writeln!(f, "right names kept with {share:.3} of the noise: {}", self.names)?;
+        writeln!(
+            f,
+            "right names kept with {share:.3} of the noise: {}",
+            self.names
+        )?;
         self.lost
             .iter()
             .try_for_each(|lost| writeln!(f, "  {lost}"))

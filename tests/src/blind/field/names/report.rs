@@ -58,7 +58,7 @@ pub struct OfEffect {
     /// Rigs on which it has to be named, and those of them on which it is.
     pub named: Share,
     /// Rigs on which it is named although this is not required.
-    pub unasked: usize,
+    pub not_required: usize,
 }
 
 type Kind = (&'static str, fn(&FieldAnswer) -> bool);
@@ -188,7 +188,7 @@ fn effects(rigs: &[NamedRig]) -> BTreeMap<String, OfEffect> {
         of.hidden += 1;
         of.named.of += usize::from(is_asked);
         of.named.count += usize::from(is_asked && is_named);
-        of.unasked += usize::from(!is_asked && is_named);
+        of.not_required += usize::from(!is_asked && is_named);
     }
     effects
 }
@@ -242,12 +242,12 @@ impl fmt::Display for NamesReport {
             writeln!(f, "  {low:3} to {high:3}: {named}")?;
         }
         let effect = "hidden effect";
-        writeln!(f, "\n{effect:34} rigs asked named named unasked")?;
+        writeln!(f, "\n{effect:34} rigs asked named named unrequired")?;
         for (id, of) in &self.effects {
             writeln!(
                 f,
                 "  {id:32} {:4} {:5} {:5} {:13}",
-                of.hidden, of.named.of, of.named.count, of.unasked
+                of.hidden, of.named.of, of.named.count, of.not_required
             )?;
         }
         writeln!(f, "\nmisses: {}", self.misses.len())?;

@@ -82,7 +82,7 @@ fn finding(names: &[&str], high: f64) -> Finding {
     };
     let candidates: Vec<_> = names.iter().map(candidate).collect();
     read(serde_json::json!({
-        "verdict": "found", "effects": names, "ladder": [step(1.0)], "candidates": candidates,
+        "verdict": "found", "effects": names, "error_steps": [step(1.0)], "candidates": candidates,
     }))
 }
 
@@ -93,7 +93,7 @@ fn rig(effects: Effects, names: &[&str]) -> NamedRig {
         answer(effects),
         read(serde_json::json!({ "steps": [step(1.5)], "parameters": [] })),
         Some(finding(names, 1.1)),
-        read(serde_json::json!({ "ladder": [step(9.0), step(1.4)] })),
+        read(serde_json::json!({ "error_steps": [step(9.0), step(1.4)] })),
         Some(30.0),
     )
 }
@@ -137,7 +137,7 @@ fn each_fault_fails_its_gate_alone() {
     };
     assert_eq!(failed(missed), ["95 % intervals contain the true value"]);
     let runs_away = NamedRig {
-        fitted: read(serde_json::json!({ "ladder": [step(1.0), step(1.51)] })),
+        fitted: read(serde_json::json!({ "error_steps": [step(1.0), step(1.51)] })),
         ..rig(&[LEAK], &["chamber_leak"])
     };
     assert_eq!(failed(runs_away), ["free run at most 1.5 noise floors"]);
@@ -177,8 +177,11 @@ fn an_effect_of_the_library_is_asked_for_where_it_costs_a_noise_floor() {
         report.effects["sensor_lag"],
         report.effects["flyback_clamp"],
     );
-    assert_eq!((lag.named.of, lag.unasked), (0, 1));
-    assert_eq!((clamp.named, clamp.unasked), (Share { count: 0, of: 1 }, 0));
+    assert_eq!((lag.named.of, lag.not_required), (0, 1));
+    assert_eq!(
+        (clamp.named, clamp.not_required),
+        (Share { count: 0, of: 1 }, 0)
+    );
     assert_eq!(report.effects["supply_pulsation"].named.of, 0);
 }
 

@@ -88,11 +88,11 @@ export class TimePlots extends TimeView {
       if (to !== null) query.set("to_s", to);
       return query;
     };
-    const fetch = (log, query) => api.get(`/logs/${log}/courses?${query}`, signal);
+    const fetch = (log, query) => api.get(`/logs/${log}/traces?${query}`, signal);
     const [from, to] = [view.numberOf("from"), view.numberOf("to")];
     const select = view.text("select");
     try {
-      this.courses = await fetch(this.log.number, piece(from, to, { ...select ? { select } : {}, states: showsStates() }));
+      this.traces = await fetch(this.log.number, piece(from, to, { ...select ? { select } : {}, states: showsStates() }));
       const beyond = this.logs.filter((log) => this.overlaid().includes(log.number));
       this.overlays = await Promise.all(beyond.map(async (log) => {
         const shift = log.offset_s - this.log.offset_s;
@@ -107,7 +107,7 @@ export class TimePlots extends TimeView {
     this.showChoices();
     this.showMetrics();
     this.differences.show(this.overlays);
-    this.cursors.refresh(this.courses);
+    this.cursors.refresh(this.traces);
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.onView(), REST);
   }
@@ -118,7 +118,7 @@ export class TimePlots extends TimeView {
 
   /** Shows a time, with cursor A at it. */
   goToMoment(time) {
-    const [begin, end] = this.courses.whole_s;
+    const [begin, end] = this.traces.whole_s;
     const half = (end - begin) / 40;
     this.cursors.set("a", time);
     this.goTo(time - half, time + half);
@@ -133,7 +133,7 @@ export class TimePlots extends TimeView {
     };
     const check = (text, checked, act, data, role = "") => element("label", { class: "choice" }, element("input", { type: "checkbox", checked, data, on: { change: act } }), element("span", { class: role && `key ${role}` }, ` ${text}`));
     const hue = (log) => { const place = this.overlays.findIndex((one) => one.log === log); return place < 0 ? "" : `overlay-${place % 2}`; };
-    const signals = this.courses.signals.map(({ name, quantity, unit }) => ({
+    const signals = this.traces.signals.map(({ name, quantity, unit }) => ({
       name, text: `${titled(name)} ${quantity} ${unit}`, line: check(name, !this.hidden.has(name), () => this.choose((one) => this.hidden.has(one) !== (one === name)), { signal: name }),
     }));
     this.filter.take(signals);
@@ -150,7 +150,7 @@ export class TimePlots extends TimeView {
 
   /** Hides the signals for which `isHidden` is true. */
   choose(isHidden) {
-    this.hidden = new Set(this.courses.signals.map((signal) => signal.name).filter(isHidden));
+    this.hidden = new Set(this.traces.signals.map((signal) => signal.name).filter(isHidden));
     view.set({ hide: [...this.hidden] });
     this.paint();
   }
@@ -161,7 +161,7 @@ export class TimePlots extends TimeView {
   }
 
   showMetrics() {
-    const compared = this.courses.signals.filter((signal) => signal.residual?.metrics);
+    const compared = this.traces.signals.filter((signal) => signal.residual?.metrics);
     const hasTolerance = compared.some((signal) => signal.residual.band);
     const rows = compared.map((signal) => {
       const { metrics, unit, limit, holds, band } = signal.residual;
@@ -179,7 +179,7 @@ export class TimePlots extends TimeView {
 
   /** Returns the plots from top to bottom. */
   panels() {
-    const shown = this.courses.signals.filter((signal) => !this.hidden.has(signal.name));
+    const shown = this.traces.signals.filter((signal) => !this.hidden.has(signal.name));
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
       { height: HEIGHT.signal, title: `${titled(signal.name)} [${signal.unit}]`, draw: (yaxis) => this.drawSignal(signal, yaxis) },
       ...this.differences.panels(this, signal.name),
@@ -216,7 +216,7 @@ export class TimePlots extends TimeView {
   }
 
   /** Draws the residual, its noise band, its limit and its tolerance. */
-  drawResidual({ course: error, noise, limit, band }, yaxis) {
+  drawResidual({ trace: error, noise, limit, band }, yaxis) {
     const across = { xref: "paper", x0: 0, x1: 1, yref: yaxis };
     const shapes = limit ? [limit, -limit].map((at) => ({ ...across, type: "line", y0: at, y1: at, line: { color: colour("limit"), width: 1, dash: "dot" } })) : [];
     if (noise) shapes.unshift({ ...across, type: "rect", y0: -2 * noise, y1: 2 * noise, fillcolor: colour("band"), line: { width: 0 }, layer: "below" });
@@ -238,13 +238,13 @@ export class TimePlots extends TimeView {
   selection() {
     const { from, to } = this.range();
     const least = (to - from) / 1500;
-    const pieces = this.courses.selection?.pieces_s ?? [];
+    const pieces = this.traces.selection?.pieces_s ?? [];
     return bands(pieces.map(([begin, end]) => [begin, Math.max(end, begin + least)]), "selection");
   }
 
   /** Returns the commanded states of the valves; no background: both valves shut. */
   states() {
-    const of = (state) => this.courses.states.filter((one) => one.state === state).map((one) => [one.from_s, one.to_s]);
+    const of = (state) => this.traces.states.filter((one) => one.state === state).map((one) => [one.from_s, one.to_s]);
     return STATES.flatMap((state) => bands(of(state), `state-${state}`));
   }
 
@@ -260,7 +260,7 @@ export class TimePlots extends TimeView {
   }
 
   hover(time) {
-    this.cursors.hover(time, this.courses);
+    this.cursors.hover(time, this.traces);
   }
 
   acts() {

@@ -48,7 +48,7 @@ export class Cursors {
 
   hover(time, traces) {
     this.pointer = time === null || !traces ? null : new Map(traces.signals.map((signal) => [signal.name, {
-      measured: at(signal.measured, time), model: signal.model && at(signal.model, time), residual: signal.residual && at(signal.residual.course, time),
+      measured: at(signal.measured, time), model: signal.model && at(signal.model, time), residual: signal.residual && at(signal.residual.trace, time),
     }]));
     if (this.isWaiting) return;
     this.isWaiting = true;

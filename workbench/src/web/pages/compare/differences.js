@@ -33,7 +33,7 @@ export class Differences {
   /** Returns the plots of a signal. */
   panels(plots, name) {
     const drawn = (differences) => differences.filter((one) => one.name === name && one.metrics);
-    return plots.overlays.flatMap(({ log, differences }, index) => drawn(differences).map(({ course: trace, unit, between }) => ({
+    return plots.overlays.flatMap(({ log, differences }, index) => drawn(differences).map(({ trace, unit, between }) => ({
       height: HEIGHT, title: `${name}: this − ${log.name} [${unit}]`, ink: "label",
       draw: (yaxis) => ({ traces: [plots.line(trace, yaxis, `overlay-${index % 2}`, { shape: between === "hold" ? "hv" : "linear" })], range: plots.rangeOf([trace], [0]) }),
     })));

@@ -51,7 +51,7 @@ export class Regimes {
     fill(this.head,
       element("label", {}, "Signal ", choose("map", this.comparison.signals.map((one) => [one.name, titled(one.name)]), signal.name)),
       element("label", {}, "Cells show ", choose("cell", Object.entries(SHOWN).map(([key, one]) => [key, one.text]), Object.keys(SHOWN).find((key) => SHOWN[key] === shown))),
-      element("span", { class: "quiet" }, signal.error_map.horizon === "short_horizon" ? "One-step-ahead error. Click a cell or regime to mark its samples in the plots." : "Free-run error. Click a cell or regime to mark its samples in the plots."));
+      element("span", { class: "quiet" }, signal.error_map.horizon === "one_step_ahead" ? "One-step-ahead error. Click a cell or regime to mark its samples in the plots." : "Free-run error. Click a cell or regime to mark its samples in the plots."));
     this.showPicked();
     this.drawMap(signal, shown);
     fill(this.tables, signal.regimes.map((regime) => this.table(signal, regime)));
@@ -106,7 +106,7 @@ export class Regimes {
 
   table(signal, regime) {
     const rows = regime.bins.map((bin) => {
-      const error = bin.short_horizon ?? bin.free_run;
+      const error = bin.one_step_ahead ?? bin.free_run;
       const selected = `${signal.name}/${regime.dimension}/${bin.label}`;
       const share = Math.max(0, Math.min(1, error.excess_share ?? 0));
       return element("tr", { class: view.text("select") === selected ? "picked" : undefined },

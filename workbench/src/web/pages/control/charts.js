@@ -50,7 +50,7 @@ export class RunPlots extends TimeView {
       query.set("to_s", to);
     }
     try {
-      this.courses = await api.get(`/control/courses?${query}`, signal);
+      this.traces = await api.get(`/control/traces?${query}`, signal);
     } catch (error) {
       if (error.name === "AbortError") return;
       throw error;
@@ -64,7 +64,7 @@ export class RunPlots extends TimeView {
   }
 
   signal(name) {
-    return this.courses.signals.find((one) => one.name === name);
+    return this.traces.signals.find((one) => one.name === name);
   }
 
   async paint() {
@@ -95,15 +95,15 @@ export class RunPlots extends TimeView {
 
   /** Shows the values under the pointer, of every signal and run. */
   hover(time) {
-    if (time === null || !this.courses) { fill(this.values); return; }
+    if (time === null || !this.traces) { fill(this.values); return; }
     const at = (trace) => {
       let index = trace.t.findIndex((one) => one !== null && one > time) - 1;
       if (index === -2) index = trace.t.length - 1;
       return index < 0 ? null : trace.y[index];
     };
-    const row = ({ plant }, run) => element("tr", {}, element("th", { scope: "row" }, plant.role), this.courses.signals.map((signal) => element("td", {}, number(at(signal.runs[run]), 4))));
+    const row = ({ plant }, run) => element("tr", {}, element("th", { scope: "row" }, plant.role), this.traces.signals.map((signal) => element("td", {}, number(at(signal.runs[run]), 4))));
     fill(this.values, element("table", { class: "numbers" },
-      element("thead", {}, element("tr", {}, element("th", {}, `at ${number(time, 5)} s`), this.courses.signals.map((signal) => element("th", {}, signal.name, element("span", { class: "unit" }, signal.unit))))),
+      element("thead", {}, element("tr", {}, element("th", {}, `at ${number(time, 5)} s`), this.traces.signals.map((signal) => element("th", {}, signal.name, element("span", { class: "unit" }, signal.unit))))),
       element("tbody", {}, this.result.runs.map(row))));
   }
 }

@@ -28,7 +28,7 @@ export class Candidates {
     return element("details", { class: `candidate${isNamed ? " named" : ""}`, data: { effect: candidate.effect }, open: isNamed && index === 0 },
       element("summary", {},
         element("span", { class: "name" }, about?.title ?? candidate.effect),
-        element("span", { class: "course", "aria-hidden": "true" }, element("span", { class: "fill", style: { width: `${100 * share}%` } })),
+        element("span", { class: "track", "aria-hidden": "true" }, element("span", { class: "fill", style: { width: `${100 * share}%` } })),
         element("span", { class: "share" }, `${(100 * share).toFixed(0)} %`),
         element("span", { class: "size" }, share < 0.005 || !size ? this.limit(candidate, true) : `${number(size.value, 3)} ${unitText(size.unit)}`),
         isNamed && element("span", { class: "chip good" }, "named")),
@@ -68,7 +68,7 @@ export class Candidates {
 
   /** Returns the detection limit. */
   limit({ effect, detection_limit: limit }, isShort) {
-    if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs show no realistic size of this effect. Test signal: ${limit.not_excited.manoeuvre}`;
+    if (limit.not_excited) return isShort ? "not excited" : `not excited: these logs show no realistic size of this effect. Test signal: ${limit.not_excited.test_signal}`;
     const { key, value, unit } = limit.size;
     const specs = this.effects.get(effect)?.forms.flatMap((form) => form.parameters) ?? [];
     const sign = value < 0 || specs.find((spec) => spec.key === key)?.is_stronger_below ? "≤" : "≥";

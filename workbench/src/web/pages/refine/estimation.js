@@ -2,7 +2,7 @@
 
 import { element } from "../../dom.js";
 import { number, unitText } from "../../format.js";
-import { ladder, rungsOf } from "../ladder.js";
+import { errorSteps, rungsOf } from "../error-steps.js";
 
 const WORDS = { determined: "determined", not_excited: "not excited", at_limit: "at the limit" };
 const COLUMNS = ["parameter", "before", "after", "95 % interval", "unit", "identifiability"];
@@ -33,7 +33,7 @@ export function estimated(estimation) {
     element("h2", {}, "Last estimation"),
     element("p", {}, `${estimation.sentence[0].toUpperCase()}${estimation.sentence.slice(1)}.`),
     element("p", { class: "quiet" }, `Validation on ${estimation.held_out}: one-step-ahead errors, as on Diagnose.`),
-    ladder(rungsOf(estimation.steps)),
+    errorSteps(rungsOf(estimation.steps)),
     beyond && element("p", { class: "quiet" }, "Marked: outside the usual tolerance of the part; the plant file is wrong there."),
     element("div", { class: "scroll" }, element("table", { class: "numbers dense", id: "estimated" },
       element("thead", {}, element("tr", {}, COLUMNS.map((cell) => element("th", { scope: "col" }, cell)))),

@@ -40,7 +40,7 @@ export class Plots {
     this.model = signals;
     const query = new URLSearchParams(this.query()).toString();
     if (query !== this.seen) {
-      this.measurement = await api.get(`/logs/${this.log.number}/courses?${query}`);
+      this.measurement = await api.get(`/logs/${this.log.number}/traces?${query}`);
       this.seen = query;
     }
     await this.redraw();

@@ -4,7 +4,7 @@ use recording::Recording;
 use serde::{Deserialize, Serialize};
 
 use super::Range;
-use crate::pages::compare::courses::Course;
+use crate::pages::compare::traces::Trace;
 use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::results::Controlled;
@@ -31,21 +31,21 @@ pub(super) struct View {
 }
 
 #[derive(Serialize)]
-pub(super) struct Courses {
+pub(super) struct Traces {
     /// First and last instant of the runs (s).
     whole_s: (f64, f64),
-    signals: Vec<SignalCourses>,
+    signals: Vec<SignalTraces>,
 }
 
 #[derive(Serialize)]
-struct SignalCourses {
+struct SignalTraces {
     name: &'static str,
     unit: &'static str,
     /// Time series, one for each run.
-    runs: Vec<Course>,
+    runs: Vec<Trace>,
 }
 
-pub(super) fn courses(controlled: &Controlled, view: &View) -> Result<Courses, Refusal> {
+pub(super) fn traces(controlled: &Controlled, view: &View) -> Result<Traces, Refusal> {
     let range = Range {
         from_s: view.from_s,
         to_s: view.to_s,
@@ -53,26 +53,26 @@ pub(super) fn courses(controlled: &Controlled, view: &View) -> Result<Courses, R
     let recordings = || controlled.runs.iter().map(|judged| &judged.run.recording);
     let signals = SIGNALS.iter().map(|name| {
         let unit = recordings().find_map(|run| run.signal(name).map(|signal| signal.unit()));
-        Ok(SignalCourses {
+        Ok(SignalTraces {
             name,
             unit: unit.map_or("", recording::Unit::symbol),
             runs: recordings()
-                .map(|run| course(run, name, range, view.points))
+                .map(|run| trace(run, name, range, view.points))
                 .collect::<Result<_, Refusal>>()?,
         })
     });
     let base = recordings().find_map(|run| run.time_base_of("p_ch"));
-    Ok(Courses {
+    Ok(Traces {
         whole_s: base.map_or((0.0, 1.0), |base| (base.start_s(), base.end_s())),
         signals: signals.collect::<Result<_, Refusal>>()?,
     })
 }
 
-fn course(run: &Recording, name: &str, range: Range, points: usize) -> Result<Course, Refusal> {
+fn trace(run: &Recording, name: &str, range: Range, points: usize) -> Result<Trace, Refusal> {
     let (Some(signal), Some(base)) = (run.signal(name), run.time_base_of(name)) else {
         return Err(Refusal::not_found("signal"));
     };
     let values = signal.values_or_nan();
     // A run is short: its points are computed on request.
-    Course::of((base, values, &Pyramid::new(values)), range, points)
+    Trace::of((base, values, &Pyramid::new(values)), range, points)
 }

@@ -8,39 +8,39 @@ use super::{
 };
 use crate::page::NEXT_STEPS;
 use crate::run::control::Controlled;
-use crate::run::tour::Tour;
+use crate::run::demo::Demo;
 use crate::targets::Targets;
 
 /// Number of regime dimensions that the demo shows; `retarder compare` shows all.
 const DIMENSIONS: usize = 3;
 
 /// Returns comparison, loop, report, and the commands to try next.
-pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> String {
-    let focus = tour.compared.focus();
+pub(super) fn demo(demo: &Demo, targets: &Targets, terminal: &Terminal) -> String {
+    let focus = demo.compared.focus();
     let mut text = step(
         1,
         "Does the model describe the bench? A log of 60 s and the model of the thesis",
         terminal,
     );
-    text += &comparison::head(&tour.compared, terminal);
+    text += &comparison::head(&demo.compared, terminal);
     text += "\n";
-    text += &comparison::signals(&tour.compared, terminal);
+    text += &comparison::signals(&demo.compared, terminal);
     text += "\n";
-    text += &comparison::plots(&tour.compared, terminal);
+    text += &comparison::plots(&demo.compared, terminal);
     text += "\n";
     let shown = &focus.regimes[..DIMENSIONS.min(focus.regimes.len())];
     text += &comparison::regimes(focus, shown, terminal);
     text += "\n";
-    for signal in &tour.compared.comparison.signals {
+    for signal in &demo.compared.comparison.signals {
         text += &comparison::finding(signal, terminal);
     }
-    text += &comparison::answer(&tour.compared, terminal);
+    text += &comparison::answer(&demo.compared, terminal);
     text += &paragraph(
         "This is expected: the rig of this log has an effect that the plain model lacks.",
         terminal,
     );
     text += "\n";
-    text += &closed_loop(tour, terminal);
+    text += &closed_loop(demo, terminal);
     text += "\n";
     text += &step(3, "What now?", terminal);
     if let Some(path) = &targets.html {
@@ -50,13 +50,13 @@ pub(super) fn tour(tour: &Tour, targets: &Targets, terminal: &Terminal) -> Strin
     text + &next_steps(terminal)
 }
 
-fn closed_loop(tour: &Tour, terminal: &Terminal) -> String {
+fn closed_loop(demo: &Demo, terminal: &Terminal) -> String {
     let mut text = step(
         2,
         "Does the loop meet its requirements? The controller on the model",
         terminal,
     );
-    let loops: Vec<&Controlled> = tour.loops.iter().collect();
+    let loops: Vec<&Controlled> = demo.loops.iter().collect();
     let Some(first) = loops.first() else {
         return text;
     };

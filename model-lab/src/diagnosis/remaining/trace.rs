@@ -41,7 +41,7 @@ impl Regime {
 }
 
 /// Time series of the prediction errors of a log with a measured pressure.
-pub(super) struct Course<'a> {
+pub(super) struct Trace<'a> {
     pub(super) log: &'a Log,
     pub(super) channel: &'a Channel,
     /// Measured minus predicted (bar); NaN where missing.
@@ -55,7 +55,7 @@ pub(super) struct Course<'a> {
     pub(super) in_force: Vec<Option<usize>>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> Trace<'a> {
     /// Returns the time series; none where no chamber pressure was logged.
     pub(super) fn new(log: &'a Log, rows: &[Row]) -> Option<Self> {
         let channel = log.pressure()?;

@@ -24,7 +24,7 @@ struct Entries {
 }
 
 struct Entry {
-    shelf: u64,
+    cache: u64,
     number: u32,
     values: usize,
     thing: Thing,
@@ -33,7 +33,7 @@ struct Entry {
 type Thing = Arc<dyn std::any::Any + Send + Sync>;
 
 /// Results of one kind of one tab, by number.
-pub(crate) struct Shelf<T> {
+pub(crate) struct Cache<T> {
     room: Arc<Room>,
     number: u64,
     kind: std::marker::PhantomData<fn() -> T>,
@@ -48,7 +48,7 @@ impl Room {
     }
 }
 
-impl<T: Send + Sync + 'static> Shelf<T> {
+impl<T: Send + Sync + 'static> Cache<T> {
     pub(crate) fn in_room(room: &Arc<Room>) -> Self {
         let mut entries = lock(&room.entries);
         entries.shelves += 1;
@@ -61,7 +61,7 @@ impl<T: Send + Sync + 'static> Shelf<T> {
 
     pub(crate) fn get(&self, number: u32) -> Option<Arc<T>> {
         let entries = &mut lock(&self.room.entries).entries;
-        let mine = |entry: &Entry| entry.shelf == self.number && entry.number == number;
+        let mine = |entry: &Entry| entry.cache == self.number && entry.number == number;
         let entry = entries.remove(entries.iter().position(mine)?);
         let thing = Arc::clone(&entry.thing);
         entries.push(entry);
@@ -73,7 +73,7 @@ impl<T: Send + Sync + 'static> Shelf<T> {
         self.remove(number);
         let entries = &mut lock(&self.room.entries).entries;
         entries.push(Entry {
-            shelf: self.number,
+            cache: self.number,
             number,
             values,
             thing,
@@ -94,14 +94,14 @@ impl<T: Send + Sync + 'static> Shelf<T> {
 
     fn retain(&self, stays: impl Fn(&Entry) -> bool) {
         let entries = &mut lock(&self.room.entries).entries;
-        entries.retain(|entry| entry.shelf != self.number || stays(entry));
+        entries.retain(|entry| entry.cache != self.number || stays(entry));
     }
 }
 
-impl<T> Drop for Shelf<T> {
+impl<T> Drop for Cache<T> {
     fn drop(&mut self) {
         let entries = &mut lock(&self.room.entries).entries;
-        entries.retain(|entry| entry.shelf != self.number);
+        entries.retain(|entry| entry.cache != self.number);
     }
 }
 
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn what_was_used_longest_ago_makes_room_whoever_has_it() {
         let room = Arc::new(Room::new(10));
-        let [one, other] = [Shelf::in_room(&room), Shelf::in_room(&room)];
+        let [one, other] = [Cache::in_room(&room), Cache::in_room(&room)];
         one.put(1, 4, Arc::new("a"));
         other.put(1, 4, Arc::new("b"));
         assert_eq!(one.get(1).as_deref(), Some(&"a"));
@@ -134,18 +134,18 @@ mod tests {
     #[test]
     fn the_last_thing_stays_however_large_it_is() {
         let room = Arc::new(Room::new(10));
-        let shelf = Shelf::in_room(&room);
-        shelf.put(1, 4, Arc::new(1));
-        shelf.put(2, 99, Arc::new(2));
-        assert_eq!((shelf.get(1), shelf.get(2).as_deref()), (None, Some(&2)));
-        shelf.put(3, 1, Arc::new(3));
-        assert_eq!((shelf.get(2), shelf.get(3).as_deref()), (None, Some(&3)));
+        let cache = Cache::in_room(&room);
+        cache.put(1, 4, Arc::new(1));
+        cache.put(2, 99, Arc::new(2));
+        assert_eq!((cache.get(1), cache.get(2).as_deref()), (None, Some(&2)));
+        cache.put(3, 1, Arc::new(3));
+        assert_eq!((cache.get(2), cache.get(3).as_deref()), (None, Some(&3)));
     }
 
     #[test]
     fn a_tab_that_goes_leaves_its_room() {
         let room = Arc::new(Room::new(10));
-        let (one, other) = (Shelf::in_room(&room), Shelf::in_room(&room));
+        let (one, other) = (Cache::in_room(&room), Cache::in_room(&room));
         one.put(1, 5, Arc::new(()));
         other.put(1, 5, Arc::new(()));
         other.put(1, 4, Arc::new(()));

@@ -6,7 +6,7 @@ use crate::fault::{Fault, FaultSet};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
-pub enum Way {
+pub enum FaultReaction {
     /// Shut both valves and wait whether the fault passes; then release.
     Hold = 0,
     /// Ramp the reference down to zero with the vent valve, then empty the chamber.
@@ -23,7 +23,7 @@ pub enum Way {
 
 impl Fault {
     /// Returns the reaction to the fault.
-    pub const fn way(self) -> Way {
+    pub const fn reaction(self) -> FaultReaction {
         match self {
             Self::SensorOpen
             | Self::SensorShort
@@ -32,41 +32,44 @@ impl Fault {
             | Self::SensorJump
             | Self::SensorMissing
             | Self::BatteryLow
-            | Self::BatteryHigh => Way::Hold,
+            | Self::BatteryHigh => FaultReaction::Hold,
             Self::NoRise
             | Self::UncommandedFall
             | Self::SupplyLost
             | Self::FillCoilOpen
-            | Self::ReferenceLost => Way::Ramp,
-            Self::SensorStuck | Self::SampleTime => Way::Release,
+            | Self::ReferenceLost => FaultReaction::Ramp,
+            Self::SensorStuck | Self::SampleTime => FaultReaction::Release,
             Self::SensorOffset | Self::NoFall | Self::UncommandedRise | Self::FillCoilShort => {
-                Way::Vent
+                FaultReaction::Vent
             }
-            Self::VentCoilOpen | Self::VentCoilShort => Way::Off,
-            Self::MemoryDamaged => Way::Lock,
+            Self::VentCoilOpen | Self::VentCoilShort => FaultReaction::Off,
+            Self::MemoryDamaged => FaultReaction::Lock,
         }
     }
 }
 
-const HELD: FaultSet = taking(Way::Hold);
-const RAMPED: FaultSet = taking(Way::Ramp);
-const RELEASED: FaultSet = taking(Way::Release);
-const VENTED: FaultSet = taking(Way::Vent);
-const SWITCHED_OFF: FaultSet = taking(Way::Off);
-const LOCKED: FaultSet = taking(Way::Lock);
+const HELD: FaultSet = taking(FaultReaction::Hold);
+const RAMPED: FaultSet = taking(FaultReaction::Ramp);
+const RELEASED: FaultSet = taking(FaultReaction::Release);
+const VENTED: FaultSet = taking(FaultReaction::Vent);
+const SWITCHED_OFF: FaultSet = taking(FaultReaction::Off);
+const LOCKED: FaultSet = taking(FaultReaction::Lock);
 
 /// Returns the faults with this reaction.
-const fn taking(way: Way) -> FaultSet {
+const fn taking(reaction: FaultReaction) -> FaultSet {
     let mut set = FaultSet::NONE;
     let mut faults: &[Fault] = &Fault::ALL;
     while let [fault, rest @ ..] = faults {
-        set = set.union(FaultSet::when(fault.way() as u8 == way as u8, *fault));
+        set = set.union(FaultSet::when(
+            fault.reaction() as u8 == reaction as u8,
+            *fault,
+        ));
         faults = rest;
     }
     set
 }
 
-impl Way {
+impl FaultReaction {
     /// Returns the strictest reaction to these faults, or `None` without a fault. A ramp needs the sensor: `Hold` and
     /// `Ramp` together give `Release`.
     #[inline(always)]
@@ -100,14 +103,23 @@ mod tests {
         for first in Fault::ALL {
             for second in Fault::ALL {
                 let both = FaultSet::of(first).union(FaultSet::of(second));
-                let (one, other) = (Way::of(FaultSet::of(first)), Way::of(FaultSet::of(second)));
+                let (one, other) = (
+                    FaultReaction::of(FaultSet::of(first)),
+                    FaultReaction::of(FaultSet::of(second)),
+                );
                 let expected = match (one.min(other), one.max(other)) {
-                    (Some(Way::Hold), Some(Way::Ramp)) => Some(Way::Release),
+                    (Some(FaultReaction::Hold), Some(FaultReaction::Ramp)) => {
+                        Some(FaultReaction::Release)
+                    }
                     (_, stricter) => stricter,
                 };
-                assert_eq!(Way::of(both), expected, "{first:?} and {second:?}");
+                assert_eq!(
+                    FaultReaction::of(both),
+                    expected,
+                    "{first:?} and {second:?}"
+                );
             }
         }
-        assert_eq!(Way::of(FaultSet::NONE), None);
+        assert_eq!(FaultReaction::of(FaultSet::NONE), None);
     }
 }

@@ -14,7 +14,7 @@ use crate::input::{self, NamedPlant, NamedScenario};
 const SCENARIOS: [&str; 3] = ["figure-6.5", "fill-requirement", "vent-requirement"];
 
 /// Results of the demo.
-pub(crate) struct Tour {
+pub(crate) struct Demo {
     pub(crate) compared: Compared,
     /// Closed loops, in the order of [`SCENARIOS`].
     pub(crate) loops: Vec<Controlled>,
@@ -22,7 +22,7 @@ pub(crate) struct Tour {
 }
 
 /// Runs the demo.
-pub(crate) fn run() -> Result<Tour, Failure> {
+pub(crate) fn run() -> Result<Demo, Failure> {
     let log = input::tour_log()?;
     let compared = compare::run(
         NamedPlant::nominal(),
@@ -36,7 +36,7 @@ pub(crate) fn run() -> Result<Tour, Failure> {
         .map(|scenario| control::run(scenario, 0, &AtomicBool::new(false)))
         .collect::<Result<_, _>>()?;
     let figures = thesis::run(NamedPlant::nominal());
-    Ok(Tour {
+    Ok(Demo {
         compared,
         loops,
         figures,

@@ -10,14 +10,14 @@ pub(super) type Point = (f64, f64);
 
 /// Values over time; NaN is a missing sample.
 #[derive(Clone, Debug)]
-pub(super) struct Course<'a> {
+pub(super) struct Trace<'a> {
     times_s: &'a [f64],
     values: Vec<f64>,
     /// Median sample interval (s).
     step_s: f64,
 }
 
-impl<'a> Course<'a> {
+impl<'a> Trace<'a> {
     /// Returns the signal `name` in its own unit; `None` if it is not recorded.
     pub(super) fn of(recording: &'a Recording, name: &str) -> Option<Self> {
         let values = recording.signal(name)?.values_or_nan().to_vec();
@@ -37,9 +37,9 @@ impl<'a> Course<'a> {
     }
 
     /// Returns measured minus one-step-ahead prediction of a comparison; `None` if there is no such prediction.
-    pub(super) fn of_short_horizon_residual(traces: &'a Traces, name: &str) -> Option<Self> {
-        let values = traces.short_horizon_residual(name)?.iter().collect();
-        Self::on(&traces.short_horizon, name, values)
+    pub(super) fn of_one_step_ahead_residual(traces: &'a Traces, name: &str) -> Option<Self> {
+        let values = traces.one_step_ahead_residual(name)?.iter().collect();
+        Self::on(&traces.one_step_ahead, name, values)
     }
 
     fn on(recording: &'a Recording, name: &str, values: Vec<f64>) -> Option<Self> {
@@ -52,7 +52,7 @@ impl<'a> Course<'a> {
     }
 
     /// Returns the sum with another series of the same instants; `None` if the number of samples differs.
-    pub(super) fn plus(&self, other: &Course<'_>) -> Option<Self> {
+    pub(super) fn plus(&self, other: &Trace<'_>) -> Option<Self> {
         (self.values.len() == other.values.len()).then(|| {
             let pairs = self.values.iter().zip(&other.values);
             Self {
@@ -239,8 +239,8 @@ mod tests {
     }
 
     fn lines(recording: &Recording, columns: usize) -> Vec<Vec<Point>> {
-        let course = Course::of(recording, "p_ch").unwrap();
-        course.lines(&course.window_s(), columns)
+        let trace = Trace::of(recording, "p_ch").unwrap();
+        trace.lines(&trace.window_s(), columns)
     }
 
     proptest! {
@@ -326,8 +326,8 @@ mod tests {
     #[test]
     fn a_command_holds_until_the_next_one() {
         let recording = recording_of(vec![0.0, 50.0, 0.0]);
-        let course = Course::of(&recording, "p_ch").unwrap();
-        let corners = course.stairs(&(0.0..0.03), 100).concat();
+        let trace = Trace::of(&recording, "p_ch").unwrap();
+        let corners = trace.stairs(&(0.0..0.03), 100).concat();
         let values: Vec<f64> = corners.iter().map(|corner| corner.1).collect();
         assert_eq!(values, [0.0, 0.0, 50.0, 50.0, 0.0, 0.0]);
         assert_eq!(corners[1].0, corners[2].0, "the edge is upright");

@@ -19,13 +19,13 @@ pub enum NotRecorded {
 }
 
 /// Signals of a run from time 0 on, by name and unit.
-pub(crate) struct Course {
+pub(crate) struct Trace {
     columns: [(&'static str, Unit, Vec<f64>); 12],
     /// Number of lifts of the valves before time 0.
     lifts_before: Option<[u32; 2]>,
 }
 
-impl Course {
+impl Trace {
     pub(crate) fn for_samples(samples: u32) -> Self {
         let columns = [
             ("p_ref", Unit::BarGauge),

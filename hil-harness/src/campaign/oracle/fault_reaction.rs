@@ -4,7 +4,7 @@ use crate::campaign::bounds;
 
 /// Fault reaction (`docs/safety.md`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum FaultReaction {
     /// Both valves shut, then release of the chamber in pulses.
     Hold,
     /// Ramp down, then venting.
@@ -19,7 +19,7 @@ pub(super) enum Way {
     Lock,
 }
 
-impl Way {
+impl FaultReaction {
     /// Returns the maximum time from the answer to both coils off (samples).
     pub(super) const fn samples(self) -> u32 {
         let changes = bounds::CHANGES;

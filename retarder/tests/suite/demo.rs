@@ -1,7 +1,7 @@
 use crate::runner::{Bench, assert_contains};
 
 #[test]
-fn the_tour_shows_comparison_loop_and_next_steps_and_writes_a_report_that_loads_nothing() {
+fn the_demo_shows_comparison_loop_and_next_steps_and_writes_a_report_that_loads_nothing() {
     let bench = Bench::new();
     let out = bench.run(&[]).ended_with(0);
     assert_contains(

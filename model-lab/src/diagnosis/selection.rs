@@ -22,7 +22,7 @@ const FIRST_OF_BEST: f64 = 0.25;
 const ALIKE_FORM: f64 = 0.9;
 
 /// What was found.
-pub(crate) struct Ladder {
+pub(crate) struct Selection {
     /// The plain plant first, then one trial per named effect.
     pub(crate) steps: Vec<Trial>,
     /// The plain plant within what the plant file admits, where the ranges of the first step are wider.
@@ -57,9 +57,9 @@ pub(crate) fn climb(
     plain: Trial,
     singles: Vec<Tried>,
     watch: Watch,
-) -> Result<Ladder, DiagnoseError> {
+) -> Result<Selection, DiagnoseError> {
     let is_adequate = !plain.is_material();
-    let mut ladder = Ladder {
+    let mut found = Selection {
         steps: vec![plain],
         within: None,
         alternative: None,
@@ -68,19 +68,19 @@ pub(crate) fn climb(
         rivals: Vec::new(),
     };
     if is_adequate {
-        return Ok(ladder);
+        return Ok(found);
     }
-    let plain = &ladder.steps[0];
-    let single = best_credible(bench, plain, &ladder.singles);
+    let plain = &found.steps[0];
+    let single = best_credible(bench, plain, &found.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
     let pair = match &single {
         Some(single) if single.leaves_nothing() => None,
         Some(single) if !single.is_material() => {
-            best_pair(bench, plain, vec![single.clone()], &ladder.singles, watch)?
+            best_pair(bench, plain, vec![single.clone()], &found.singles, watch)?
         }
         _ => {
-            let firsts = promising(bench, plain, &ladder.singles);
-            best_pair(bench, plain, firsts, &ladder.singles, watch)?
+            let firsts = promising(bench, plain, &found.singles);
+            best_pair(bench, plain, firsts, &found.singles, watch)?
         }
     };
     let chain = match pair {
@@ -97,21 +97,21 @@ pub(crate) fn climb(
     };
     match (single, chain) {
         (_, Some(chain)) => {
-            ladder.rivals = chain.rivals;
-            ladder.steps.extend(chain.steps);
+            found.rivals = chain.rivals;
+            found.steps.extend(chain.steps);
         }
         (Some(single), None) if single.is_named_on(plain) => {
-            ladder.rivals = vec![ladder.singles.clone()];
-            ladder.steps.push(single);
+            found.rivals = vec![found.singles.clone()];
+            found.steps.push(single);
         }
         _ => {
-            if let Some(single) = explains_alone(plain, &ladder.singles) {
-                ladder.rivals = vec![ladder.singles.clone()];
-                ladder.steps.push(single);
+            if let Some(single) = explains_alone(plain, &found.singles) {
+                found.rivals = vec![found.singles.clone()];
+                found.steps.push(single);
             }
         }
     }
-    Ok(ladder)
+    Ok(found)
 }
 
 /// The effect that explains nearly all by itself, though its size stays open.
@@ -123,7 +123,7 @@ fn explains_alone(plain: &Trial, singles: &[Tried]) -> Option<Trial> {
     best.cloned()
 }
 
-impl Ladder {
+impl Selection {
     fn plain(&self) -> &Trial {
         &self.steps[0]
     }
@@ -225,7 +225,7 @@ struct Pair {
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
     let excess = plain.fitted.total_excess();
     let explained = |trial: &Trial| excess - trial.fitted.total_excess();
-    // What is bent until it fits leaves nothing true for a second effect.
+    // What is distorted until it fits leaves nothing true for a second effect.
     let (sound, unsound): (Vec<&Trial>, Vec<&Trial>) = singles
         .iter()
         .filter_map(|tried| tried.trial.as_ref())
@@ -284,7 +284,7 @@ fn best_pair(
         };
         let own = pair_on(bench, plain, first.clone(), singles, watch)?;
         keep_better(&mut best, own);
-        // Alone, the form of the first is bent by what the second explains; it may be another one beside it.
+        // Alone, the form of the first is distorted by what the second explains; it may be another one beside it.
         let is_partly = |pair: &Pair| pair.explains_most(plain) && pair.last.is_material();
         if best
             .as_ref()

@@ -201,7 +201,7 @@ const LOW: f64 = 0.3;
 /// Returns all excitations that satisfy `limits` with every plant.
 ///
 /// # Errors
-/// [`DiagnoseError::NoManoeuvre`]: no excitation does.
+/// [`DiagnoseError::NoTestSignal`]: no excitation does.
 pub(super) fn sequences(
     plants: &[&PlantParameters],
     limits: &Limits,
@@ -211,7 +211,7 @@ pub(super) fn sequences(
         .filter_map(|plan| within(plan, plants, limits))
         .collect();
     if sequences.is_empty() {
-        return Err(DiagnoseError::NoManoeuvre {
+        return Err(DiagnoseError::NoTestSignal {
             duration_s: limits.duration_s,
             max_bar: limits.max_bar,
             max_duty_pct: limits.max_duty_pct,
@@ -240,11 +240,11 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
         if duties.len() < rows(SHORTEST_S) || !does_something {
             return None;
         }
-        let courses: Vec<Vec<f64>> = plants
+        let traces: Vec<Vec<f64>> = plants
             .iter()
             .map(|plant| pressures_bar(plant, &duties, interval_s))
             .collect();
-        let highest_bar = courses.iter().flatten().copied().fold(0.0, f64::max);
+        let highest_bar = traces.iter().flatten().copied().fold(0.0, f64::max);
         if highest_bar <= limits.max_bar {
             let (name, about) = (plan.name, plan.about);
             return Some(Sequence {
@@ -255,8 +255,8 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
                 highest_bar,
             });
         }
-        let leaves = |course: &Vec<f64>| course.iter().position(|bar| *bar > limits.max_bar);
-        let row = courses.iter().filter_map(leaves).min()?;
+        let leaves = |trace: &Vec<f64>| trace.iter().position(|bar| *bar > limits.max_bar);
+        let row = traces.iter().filter_map(leaves).min()?;
         duties.truncate(row.saturating_sub(rows(EARLIER_S)));
         duties.extend(core::iter::repeat_n(
             [0.0, limits.max_duty_pct],

@@ -6,17 +6,17 @@ import { number, titled } from "../format.js";
 const multiple = (error) => error.rms !== null && error.noise_floor ? error.rms / error.noise_floor : null;
 
 /** Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
-export function ladder(rungs) {
+export function errorSteps(rungs) {
   const most = Math.max(1.5, ...rungs.flatMap((rung) => rung.errors.map(multiple)).filter((times) => times !== null));
   const place = (times) => `${100 * Math.min(1, times / most)}%`;
-  return element("div", { class: "ladder", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
+  return element("div", { class: "error-steps", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
     element("h3", {}, rung.title),
     rung.errors.map((error) => bar(error, multiple(error), place, index === 0)))));
 }
 
 function bar(error, times, place, isFirst) {
   const figures = times === null ? "no noise floor" : `${number(times, 3)} × noise`;
-  const track = element("span", { class: "course", "aria-hidden": "true" });
+  const track = element("span", { class: "track", "aria-hidden": "true" });
   if (times !== null) {
     track.append(
       element("span", { class: `fill${isFirst ? " first" : ""}`, style: { width: place(times) } }),

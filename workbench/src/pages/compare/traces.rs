@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::band::Band;
 use super::selection::Selection;
-use super::states::{self, Stretch};
+use super::states::{self, Segment};
 use crate::pyramid::{Pyramid, Series};
 use crate::refusal::Refusal;
 use crate::results::Compared;
@@ -45,30 +45,30 @@ pub(super) struct View {
 }
 
 #[derive(Serialize)]
-pub(super) struct Courses {
+pub(super) struct Traces {
     /// First and last instant of the whole log (s).
     whole_s: (f64, f64),
-    signals: Vec<SignalCourses>,
+    signals: Vec<SignalTraces>,
     selection: Option<Selection>,
     /// Commanded states of the valves.
-    states: Vec<Stretch>,
+    states: Vec<Segment>,
 }
 
 #[derive(Serialize)]
-struct SignalCourses {
+struct SignalTraces {
     name: String,
     quantity: String,
     unit: &'static str,
     /// Whether it drives the model.
     is_input: bool,
-    measured: Course,
-    model: Option<Course>,
-    residual: Option<ResidualCourse>,
+    measured: Trace,
+    model: Option<Trace>,
+    residual: Option<ResidualTrace>,
 }
 
 #[derive(Serialize)]
-struct ResidualCourse {
-    course: Course,
+struct ResidualTrace {
+    trace: Trace,
     unit: String,
     /// Standard deviation of the measurement noise.
     noise: Option<f64>,
@@ -83,7 +83,7 @@ struct ResidualCourse {
 
 /// Points of a series; null is a gap.
 #[derive(Default, Serialize)]
-pub(in crate::pages) struct Course {
+pub(in crate::pages) struct Trace {
     t: Vec<Option<f64>>,
     y: Vec<Option<f64>>,
 }
@@ -161,7 +161,7 @@ impl Range {
 }
 
 /// Returns the time series of the log `number` in a view, and those of the model if it was compared.
-pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Courses, Refusal> {
+pub(super) fn traces(session: &Session, number: u32, view: &View) -> Result<Traces, Refusal> {
     let log = session.log(number)?;
     let log = log.as_ref().as_ref().map_err(Clone::clone)?;
     let compared = session.comparison(number);
@@ -189,11 +189,11 @@ pub(super) fn courses(session: &Session, number: u32, view: &View) -> Result<Cou
         _ => None,
     };
     let states = if view.states {
-        states::stretches(&log.recording, range)?
+        states::segments(&log.recording, range)?
     } else {
         Vec::new()
     };
-    Ok(Courses {
+    Ok(Traces {
         states,
         whole_s: (
             bases().map(TimeBase::start_s).fold(f64::INFINITY, f64::min),
@@ -219,13 +219,13 @@ struct Drawer<'a> {
 }
 
 impl Drawer<'_> {
-    fn signal(&self, index: usize) -> Result<SignalCourses, Refusal> {
+    fn signal(&self, index: usize) -> Result<SignalTraces, Refusal> {
         let recording = &self.log.recording;
         let signal = &recording.signals()[index];
         let base = recording.time_base(signal.time_base());
         let base = base.ok_or_else(|| Refusal::not_found("time base"))?;
         let (unit, converter) = shown_unit(signal, self.parameters);
-        let measured = self.course(base, signal.values_or_nan(), &self.log.pyramids[index])?;
+        let measured = self.trace(base, signal.values_or_nan(), &self.log.pyramids[index])?;
         let place = self.compared.and_then(|compared| {
             let signals = &compared.comparison.signals;
             Some((
@@ -238,11 +238,11 @@ impl Drawer<'_> {
             let traces = &compared.comparison.traces;
             let pyramids = &compared.pyramids[place];
             if let Some(run) = traces.free_run.signal(signal.name()) {
-                model = Some(self.course(base, run.values_or_nan(), &pyramids.model)?);
+                model = Some(self.trace(base, run.values_or_nan(), &pyramids.model)?);
             }
             residual = self.residual(compared, place, (base, signal))?;
         }
-        Ok(SignalCourses {
+        Ok(SignalTraces {
             name: signal.name().to_owned(),
             quantity: signal.quantity().to_string(),
             unit: unit.symbol(),
@@ -261,15 +261,15 @@ impl Drawer<'_> {
         compared: &Compared,
         place: usize,
         (base, measured): (&TimeBase, &Signal),
-    ) -> Result<Option<ResidualCourse>, Refusal> {
+    ) -> Result<Option<ResidualTrace>, Refusal> {
         let signal = &compared.comparison.signals[place];
         let traces = &compared.comparison.traces;
         let Some(errors) = traces.free_run_residual(&signal.name) else {
             return Ok(None);
         };
         let (within, _) = self.seen.of(base)?;
-        Ok(Some(ResidualCourse {
-            course: self.course(base, &errors, &compared.pyramids[place].residual)?,
+        Ok(Some(ResidualTrace {
+            trace: self.trace(base, &errors, &compared.pyramids[place].residual)?,
             unit: signal.unit.clone(),
             noise: signal.noise_floor.value,
             limit: signal.limit,
@@ -296,13 +296,13 @@ impl Drawer<'_> {
         Ok(Some(band))
     }
 
-    fn course(
+    fn trace(
         &self,
         base: &TimeBase,
         values: &(impl Series + ?Sized),
         pyramid: &Pyramid,
-    ) -> Result<Course, Refusal> {
-        Course::of((base, values, pyramid), self.range, self.points)
+    ) -> Result<Trace, Refusal> {
+        Trace::of((base, values, pyramid), self.range, self.points)
     }
 }
 
@@ -311,7 +311,7 @@ pub(super) fn mean_step_s(base: &TimeBase) -> f64 {
     (base.end_s() - base.start_s()) / (base.len().max(2) - 1) as f64
 }
 
-impl Course {
+impl Trace {
     /// Returns the visible part of `values` in `range`, with about this many points.
     pub(in crate::pages) fn of(
         (base, values, pyramid): (&TimeBase, &(impl Series + ?Sized), &Pyramid),

@@ -1,13 +1,13 @@
 //! Check that the fault reaction is carried out.
 
 use super::condition::Watch;
-use super::way::Way;
-use super::{Finding, Oracle, Promise, Seen, unless};
+use super::fault_reaction::FaultReaction;
+use super::{Finding, Observation, Oracle, Promise, unless};
 use crate::campaign::bounds;
 
 /// Returns the violated requirements of the fault reactions.
-pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
-    let [fill, vent] = seen.coils;
+pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> Vec<Finding> {
+    let [fill, vent] = observation.coils;
     let answered: Vec<&Watch> = oracle.conditions.answered().collect();
     let said = |watches: &[&Watch]| {
         let names: Vec<String> = watches
@@ -17,7 +17,7 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
         format!(
             "{} at {:.3} bar: fill {fill:.2} %, vent {vent:.2} %",
             names.join(", "),
-            seen.pressure_bar
+            observation.pressure_bar
         )
     };
     let mut findings = vec![unless(
@@ -31,7 +31,8 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
         .iter()
         .copied()
         .filter(|watch| {
-            matches!(watch.way(), Way::Off | Way::Lock) && watch.answered_for().is_some()
+            matches!(watch.reaction(), FaultReaction::Off | FaultReaction::Lock)
+                && watch.answered_for().is_some()
         })
         .collect();
     findings.push(unless(
@@ -40,21 +41,21 @@ pub(super) fn broken(seen: &Seen, oracle: &Oracle) -> Vec<Finding> {
         || said(&at_once),
     ));
     if let Some(only) = oracle.conditions.only() {
-        findings.extend(of_one(seen, oracle, only));
+        findings.extend(of_one(observation, oracle, only));
     }
     findings
 }
 
 /// Checks the reaction to the only fault.
-fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
-    let [fill, vent] = seen.coils;
-    let way = watch.way();
+fn of_one(observation: &Observation, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
+    let [fill, vent] = observation.coils;
+    let reaction = watch.reaction();
     let said = |then_bar: Option<f64>| {
         move || {
             let then = then_bar.map_or(String::new(), |bar| format!(" from {bar:.3} bar"));
             format!(
                 "{:?}: {:.3} bar{then}, fill {fill:.2} %, vent {vent:.2} %",
-                watch.condition, seen.pressure_bar
+                watch.condition, observation.pressure_bar
             )
         }
     };
@@ -62,32 +63,38 @@ fn of_one(seen: &Seen, oracle: &Oracle, watch: &Watch) -> Vec<Finding> {
         return Vec::new();
     };
     let is_off = fill == 0.0 && vent == 0.0;
-    let is_over = samples >= way.samples();
+    let is_over = samples >= reaction.samples();
     let mut findings = vec![unless(is_off || !is_over, Promise::SafeInTime, said(None))];
-    if is_over && way.empties() && oracle.leaves_venting {
+    if is_over && reaction.empties() && oracle.leaves_venting {
         findings.push(unless(
-            seen.pressure_bar <= bounds::EMPTY_BAR,
+            observation.pressure_bar <= bounds::EMPTY_BAR,
             Promise::EmptyInTime,
             said(None),
         ));
     }
     let is_followed = oracle.is_plain && watch.is_first();
-    if way == Way::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
+    if reaction == FaultReaction::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
         findings.push(unless(is_off, Promise::Held, said(None)));
     }
     // A task that runs too rarely vents for longer than intended; this cannot be avoided without a sample in between.
-    let is_in_time = seen.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
+    let is_in_time = observation.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
     if is_followed && is_in_time {
-        findings.extend(of_the_pressure(seen, oracle, way, samples, &said));
+        findings.extend(of_the_pressure(
+            observation,
+            oracle,
+            reaction,
+            samples,
+            &said,
+        ));
     }
     findings
 }
 
 /// Checks the pressure during a reaction, if only the valves move it.
 fn of_the_pressure<E: FnOnce() -> String>(
-    seen: &Seen,
+    observation: &Observation,
     oracle: &Oracle,
-    way: Way,
+    reaction: FaultReaction,
     samples: u32,
     said: &dyn Fn(Option<f64>) -> E,
 ) -> Vec<Finding> {
@@ -98,28 +105,30 @@ fn of_the_pressure<E: FnOnce() -> String>(
     };
     let mut findings = Vec::new();
     if let Some(then_bar) = then_bar(bounds::PULSE_PERIOD) {
-        let is_risen = seen.pressure_bar > then_bar + bounds::RISE_BAR;
+        let is_risen = observation.pressure_bar > then_bar + bounds::RISE_BAR;
         findings.push(unless(
             !is_risen,
             Promise::NoRiseAfterN,
             said(Some(then_bar)),
         ));
         let ambient_bar = 1.01325;
-        let is_kept = seen.pressure_bar + ambient_bar
+        let is_kept = observation.pressure_bar + ambient_bar
             >= (1.0 - bounds::PULSE_SHARE) * (then_bar + ambient_bar);
-        let is_pulsed = matches!(way, Way::Release | Way::Hold);
+        let is_pulsed = matches!(reaction, FaultReaction::Release | FaultReaction::Hold);
         findings.push(unless(
             is_kept || !is_pulsed,
             Promise::NoSuddenLoss,
             said(Some(then_bar)),
         ));
     }
-    if let Some(then_bar) = then_bar(bounds::RAMP_WINDOW).filter(|_| way == Way::Ramp) {
+    if let Some(then_bar) =
+        then_bar(bounds::RAMP_WINDOW).filter(|_| reaction == FaultReaction::Ramp)
+    {
         let most_bar =
             f64::from(bounds::RAMP_WINDOW) * bounds::RAMP_BAR_PER_SAMPLE + bounds::RAMP_MARGIN_BAR;
         // A driver who lowers the reference may get the lower pressure at once.
         let is_asked = oracle.conditions.last_reference_bar() < then_bar - bounds::LIVE_BAR;
-        let is_led = seen.pressure_bar >= then_bar - most_bar;
+        let is_led = observation.pressure_bar >= then_bar - most_bar;
         findings.push(unless(
             is_led || is_asked,
             Promise::NoSuddenLoss,
