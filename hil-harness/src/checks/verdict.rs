@@ -17,7 +17,7 @@ pub const SCHEMA: &str = "retarder.control/1";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
-    /// [`SCHEMA`].
+    /// Name and version of this format, `retarder.control/1`.
     pub schema: String,
     /// Source of the recording.
     pub source: String,

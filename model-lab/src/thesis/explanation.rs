@@ -10,7 +10,7 @@ pub const EXPLANATION_SCHEMA: &str = "retarder.thesis-explanation/1";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Explanation {
-    /// [`EXPLANATION_SCHEMA`].
+    /// Name and version of this format, `retarder.thesis-explanation/1`.
     pub schema: String,
     /// Training figures, validation figures, and the largest error of an explained time.
     pub rule: String,

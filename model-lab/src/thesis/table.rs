@@ -23,7 +23,7 @@ pub(super) const VALVE_BORE_MM: f64 = 1.9;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ThesisTable {
-    /// [`THESIS_SCHEMA`].
+    /// Name and version of this format, `retarder.thesis/1`.
     pub schema: String,
     /// Figures in the order of the thesis.
     pub rows: Vec<Row>,
