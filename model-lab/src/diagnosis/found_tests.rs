@@ -193,7 +193,7 @@ fn what_explains_as_much_as_a_wrong_value_is_told() {
             is_converged: true,
             steps: &[],
             candidates: &[],
-            outside: &[outside.clone()],
+            outside: std::slice::from_ref(&outside),
             rival_effects,
             equivalents: &BTreeMap::new(),
         })

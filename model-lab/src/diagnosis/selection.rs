@@ -117,8 +117,11 @@ pub(crate) fn climb(
 /// The effect that explains nearly all by itself, though its size stays open.
 fn explains_alone(plain: &Trial, singles: &[Tried]) -> Option<Trial> {
     let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
-    let explaining =
-        trials.filter(|trial| trial.share_of(plain) >= FOUND_SHARE && trial.is_evident_over(plain));
+    let explaining = trials.filter(|trial| {
+        trial.share_of(plain) >= FOUND_SHARE
+            && trial.is_evident_over(plain)
+            && trial.does_no_harm_to(plain)
+    });
     let best = explaining.min_by(|a, b| a.mean_excess().total_cmp(&b.mean_excess()));
     best.cloned()
 }
@@ -159,7 +162,12 @@ impl Selection {
     /// differ by less.
     pub(crate) fn is_better_than(&self, wide: &Trial) -> bool {
         let last = self.last();
-        !last.is_material() && last.evidence_over(wide) > FURTHER_EVIDENCE
+        let pairs = wide.sets().into_iter().zip(last.sets());
+        let drop: f64 = pairs
+            .map(|(wide, last)| wide.total_excess() - last.total_excess())
+            .sum();
+        let is_evident = last.evidence_over(wide) > FURTHER_EVIDENCE;
+        !last.is_material() && drop >= FURTHER_DROP && is_evident
     }
 
     /// Whether one effect explains the error, and `wide`, the plant with wider ranges, no better.
@@ -485,7 +493,13 @@ impl Trial {
         } else {
             NAMED_SHARE
         };
-        self.share_of(plain) >= least
+        self.share_of(plain) >= least && self.does_no_harm_to(plain)
+    }
+
+    /// Whether no set of logs has a larger error than with `plain`: a law that stands for another one fits its training logs alone.
+    fn does_no_harm_to(&self, plain: &Self) -> bool {
+        let mut sets = self.sets().into_iter().zip(plain.sets());
+        sets.all(|(own, plain)| own.total_excess() <= plain.total_excess() + ALIKE_EXCESS)
     }
 
     /// Share of the excess of `plain` that it explains: the least of the fitted logs and of what was held out, as far

@@ -165,7 +165,8 @@ fn find_untold_clock(
     delay: Delay,
     drifts_ppm: &[f64],
 ) -> Option<Found> {
-    let as_ecu = tries.best(&[None], &delay.candidates_s(plant, DELAY_STEP_S));
+    // Phases and delays together are finer than the steps of the delay, which must not speak for a clock.
+    let as_ecu = tries.best_delay(&delay.candidates_s(plant, DELAY_STEP_S), DELAY_STEP_S);
     // A delay that was fitted together with a clock is valid with that clock only.
     let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
     let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);

@@ -18,6 +18,9 @@ const PROMISING: usize = 3;
 /// Error in noise floors above which the loss is linear instead of quadratic.
 pub(super) const OUTLIER: f64 = 3.0;
 
+/// Delays around the best one, in steps.
+const BETWEEN: [f64; 6] = [-0.75, -0.5, -0.25, 0.25, 0.5, 0.75];
+
 /// Clock with a delay of the commands, and their loss.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tried {
@@ -65,6 +68,21 @@ impl<'a> Tries<'a> {
         let promising = begun.iter().take(PROMISING);
         let promising = promising.map(|tried| (tried.clock, tried.delay_s));
         self.found(&begun, promising.collect())
+    }
+
+    /// Returns the best delay of `delays_s`, which are `step_s` apart, or between them, for rows that are samples of the ECU.
+    pub(super) fn best_delay(&self, delays_s: &[f64], step_s: f64) -> Found {
+        let coarse = self.best(&[None], delays_s);
+        if delays_s.len() < 2 {
+            return coarse;
+        }
+        let between_s = BETWEEN.map(|share| coarse.whole.delay_s + share * step_s);
+        let between_s: Vec<f64> = between_s.into_iter().filter(|&s| s >= 0.0).collect();
+        let fine = self.best(&[None], &between_s);
+        match fine.whole.loss < coarse.whole.loss {
+            true => fine,
+            false => coarse,
+        }
     }
 
     /// Returns the best clock with one of these phases at the beginning of the log, a delay of `delays_s` and a drift of `drifts_ppm`; none
