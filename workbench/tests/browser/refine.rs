@@ -219,7 +219,7 @@ fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
             .await;
         let answer = person.text("#determining").await;
         assert!(answer.contains("Duty cycles as CSV"), "{answer}");
-        person.picture_of("#determining", "determining").await;
+        person.picture("determining").await;
         person.assert_nothing_was_refused().await;
     });
 }

@@ -9,6 +9,24 @@ import { Work } from "../work.js";
 const PATH = "/refine/experiment";
 const interval = ([low, high]) => `${number(low, 3)} to ${number(high, 3)}`;
 
+const COLUMNS = ["parameter", "value", "interval now", "interval after", "unit"];
+
+/** Returns the rows of one parameter; where it stays open, the second one says what would determine it. */
+function rows(one) {
+  const cells = [number(one.value), interval(one.now), interval(one.after), unitText(one.unit)];
+  const advice = `To determine it, ${one.determined_by}.`;
+  return [
+    element("tr", {}, element("th", { scope: "row" }, one.name), cells.map((cell) => element("td", {}, cell))),
+    one.determined_by && element("tr", {}, element("td", { class: "known quiet", colspan: COLUMNS.length }, advice)),
+  ];
+}
+
+function parameterTable(parameters) {
+  return element("table", { class: "numbers dense" },
+    element("thead", {}, element("tr", {}, COLUMNS.map((cell) => element("th", { scope: "col" }, cell)))),
+    element("tbody", {}, parameters.flatMap(rows)));
+}
+
 export class Experiment {
   /** `wish` returns the log and the chosen logs of the page. */
   constructor(wish) {
@@ -46,10 +64,6 @@ export class Experiment {
       fill(this.answer);
       return;
     }
-    const parameters = next.parameters.map((one) => [
-      one.name, number(one.value), interval(one.now), interval(one.after), unitText(one.unit),
-      one.determined_by ? `To determine it, ${one.determined_by}.` : "determined",
-    ]);
     const signals = next.ranking.map((one) => [
       element("span", { title: one.about }, one.name), String(one.determines.length), number(one.width_after, 2),
       number(one.highest_bar, 3), number(one.duration_s, 3),
@@ -59,8 +73,7 @@ export class Experiment {
       !next.is_adequate && element("p", { class: "quiet" }, "The error on these logs exceeds the noise. The intervals assume a plant whose error is the noise."),
       this.chart.element,
       dutiesLink(`${PATH}/csv`, "determining-experiment.csv", "determining-csv"),
-      element("div", { class: "scroll" }, 
-        table(["parameter", "value", "interval now", "interval after", "unit", ""], parameters, "numbers dense")),
+      element("div", { class: "scroll" }, parameterTable(next.parameters)),
       element("details", {}, element("summary", {}, `${signals.length} test signals`),
         table(["test signal", "determines", "width after/now", "maximum [bar]", "duration [s]"], signals, "numbers")));
     this.redraw();
