@@ -164,7 +164,6 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
             "retarder diagnose --plant fitted.toml --log bench.csv    # is anything missing?",
         ],
     );
-    experiment_proposed_by(&bench, &out);
     let estimation: Estimation = serde_json::from_str(&bench.read("e.json")).unwrap();
     assert!(estimation.is_adequate, "{}", estimation.sentence);
     let names = estimation
@@ -187,6 +186,20 @@ fn a_plant_file_that_is_far_off_is_estimated_and_then_nothing_is_missing() {
         &bench.run(&diagnose).ended_with(0),
         &["Nothing detectable is missing"],
     );
+}
+
+/// With a free volume, the pressure determines ratios of flows and volume alone.
+#[test]
+fn parameters_that_stay_open_get_an_experiment() {
+    let bench = Bench::new();
+    bench.file(
+        "bench.csv",
+        &beginning_of("synthetic/practice-00-id.csv", 20.0),
+    );
+    let refine = ["refine", "--log", "bench.csv", "--out", "fitted.toml"];
+    let out = bench.run(&refine).ended_with(0);
+    assert_contains(&out, &["only with others"]);
+    experiment_proposed_by(&bench, &out);
 }
 
 /// A wrong value has its own exit status: no effect is missing, and yet the model is outside its tolerance.

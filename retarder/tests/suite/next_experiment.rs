@@ -29,7 +29,8 @@ pub(crate) fn experiment_proposed_by(bench: &Bench, refined: &str) {
         &["time_s,duty_fill_pct,duty_vent_pct"],
     );
     for name in open {
-        let is_row = |line: &&str| line.starts_with(&name[..name.len().min(20)]);
+        let is_row =
+            |line: &&str| line.starts_with(&name[..name.len().min(20)]) && line.contains(" to ");
         let row = planned.out.lines().find(is_row).unwrap();
         assert!(
             row.ends_with("determined") || row.ends_with("open"),
