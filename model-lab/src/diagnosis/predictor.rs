@@ -19,9 +19,9 @@ const PULSE_SCATTER: f64 = 0.01;
 const START_VARIANCE: f64 = 0.1;
 
 /// Description for people.
-pub(crate) const STATEMENT: &str = "errors are those of a prediction: after each sample the model takes on a part of \
-    the pressure error, more while a valve switches (a pulse's air is known to 1 % of a period's), less the longer it holds; \
-    the floor is what a perfect model would leave of it. Beside it stands the free run, driven by the commands alone";
+pub(crate) const STATEMENT: &str = "errors are those of the one-step-ahead prediction: after each sample a part of the \
+    pressure error corrects the model, more while a valve switches (the air of a pulse is known to 1 %) and less during a \
+    hold; the noise floor is the error of a perfect model. The free run is driven by the commands alone";
 
 /// Gains, and the errors of a perfect model.
 #[derive(Debug, Clone)]

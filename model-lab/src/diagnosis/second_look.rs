@@ -1,6 +1,6 @@
 //! Second look at logs that are not explained within the ranges of the plant file.
 //!
-//! Where ordinary parameters reached the ends of their ranges, the file may be a first one, with values that are 30 % wrong. They are
+//! Ordinary parameters at the ends of their ranges suggest a first plant file, with values that are 30 % wrong. They are
 //! estimated accordingly, together with the effects found so far, and the search for effects is repeated with the estimated values.
 //! Statements of the file about a value still apply.
 

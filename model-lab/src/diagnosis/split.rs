@@ -64,8 +64,8 @@ impl Split {
 
     /// Returns a split of the logs whose training data show an error of the fitted `plant`, if any part does; with that fit.
     ///
-    /// Where a fit to the training logs has no material error there, but has one on the validation logs, it was overfitted, or the training
-    /// logs leave parameters or effects undetermined: then all logs are fitted together.
+    /// A fit may have no material error on the training logs and one on the validation logs. It is then overfitted, or the training logs
+    /// leave parameters or effects undetermined, and all logs are fitted together.
     pub(super) fn that_shows(
         plant: &PlantParameters,
         logs: &[Recording],

@@ -110,7 +110,7 @@ fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<St
 /// Returns the most promising starts of the effect whose unknowns are the last ones, on top of `base`.
 ///
 /// An effect may be far weaker than the typical one and still show. Each size therefore also gives the best share of its contribution.
-/// Where the expected cost of that share is below that of the sizes themselves, a size of that strength is tried as well.
+/// A size of that strength is also tried if its expected cost is below that of the sizes themselves.
 pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);

@@ -150,7 +150,7 @@ fn a_thermometer_is_weighed_where_the_gas_has_a_temperature() {
     );
 }
 
-/// Where the gas has a temperature, a log that begins warm begins with warm gas, and the thermometer determines its temperature.
+/// With the effect `gas_temperature`, a warm log begins with warm gas, and the thermometer determines its temperature.
 #[test]
 fn the_thermometer_tells_how_warm_the_gas_begins() {
     let warm = vessel().with_effect(gas_temperature(0.5));

@@ -1,6 +1,6 @@
 //! The thesis' own figures as a test of the model: each measured number beside the simulated one.
 //!
-//! Where the plain model cannot reach a figure, the row reports it with the deviation: the starting point for the search of a missing
+//! A figure that the plain model cannot reach has its deviation in the row: the starting point for the search of a missing
 //! effect.
 
 mod explain;

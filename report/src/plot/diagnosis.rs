@@ -40,7 +40,7 @@ pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
     let longest = steps.iter().map(Step::worst_in_noise).fold(1.0, f64::max);
     let rows: i32 = steps.iter().map(|step| step.check_rms.len() as i32).sum();
     let bottom = TOP_PX + rows * ROW_PX + steps.len() as i32 * (ROW_PX + GROUP_PX);
-    let title = "How the error falls: rms on what was held out, in multiples of the noise floor";
+    let title = "How the error falls: rms on the validation data, divided by the noise floor";
     let place = |times: f64| NAMES_PX + (f64::from(BARS_PX) * times / longest).round() as i32;
     figure(WIDTH_PX, bottom + 36, title, |sheet| {
         sheet.title(title)?;
