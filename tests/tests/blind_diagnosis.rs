@@ -52,6 +52,16 @@ fn quality_of_part(rig: KnownRig, rows: usize) -> Quality {
     diagnosed(rig, rows).1
 }
 
+/// Asserts that the hidden effect of a rig is named, and nothing else.
+fn assert_named_alone(rig: KnownRig) {
+    let Quality {
+        right_names: right,
+        wrong_names: wrong,
+        ..
+    } = quality_of(rig);
+    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+}
+
 /// Runs a rig, diagnoses the first `rows` of its logs, and scores it.
 fn diagnosed(rig: KnownRig, rows: usize) -> (Diagnosis, Quality) {
     let folder = tempfile::tempdir().unwrap();
@@ -98,18 +108,14 @@ fn a_plain_rig_with_a_long_way_to_its_fit_gets_no_name() {
 #[test]
 fn a_clamp_is_named() {
     const CLAMP: Hidden = ("flyback_clamp", "constant voltage", 4.618, 0.247);
-    let quality = quality_of(hiding(56, Class::Matched, &[CLAMP]));
-    let (right, wrong) = (quality.right_names, quality.wrong_names);
-    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+    assert_named_alone(hiding(56, Class::Matched, &[CLAMP]));
 }
 
 /// Defect seen: a lag and a dead volume were named.
 #[test]
 fn a_lag_of_another_law_is_named() {
     const LAG: Hidden = ("sensor_lag", "two lags", 7.281, 0.656);
-    let quality = quality_of(hiding(54, Class::Variant, &[LAG]));
-    let (right, wrong) = (quality.right_names, quality.wrong_names);
-    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+    assert_named_alone(hiding(54, Class::Variant, &[LAG]));
 }
 
 /// Defect seen: only the warm coil was named.
@@ -175,9 +181,7 @@ fn friction_is_named_where_a_wrong_spring_explains_less() {
         seed: 20_261_129,
         ..hiding(61, Class::Matched, &[FRICTION])
     };
-    let quality = quality_of(rig);
-    let (right, wrong) = (quality.right_names, quality.wrong_names);
-    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+    assert_named_alone(rig);
 }
 
 /// Defect seen: the fit of the side chamber begins far from its end, gained little in its first steps, and was not followed.
@@ -193,9 +197,7 @@ fn a_side_chamber_is_named_though_its_fit_begins_far_away() {
         seed: 20_261_129,
         ..hiding(100, Class::Variant, &[CHAMBER])
     };
-    let quality = quality_of(rig);
-    let (right, wrong) = (quality.right_names, quality.wrong_names);
-    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+    assert_named_alone(rig);
 }
 
 #[test]
@@ -205,7 +207,5 @@ fn warm_coils_are_named_after_a_short_log() {
         poor: Some(Poor::Short),
         ..hiding(62, Class::Matched, &[WARM])
     };
-    let quality = quality_of(short);
-    let (right, wrong) = (quality.right_names, quality.wrong_names);
-    assert_eq!((right.count, right.of, wrong.count), (1, 1, 0));
+    assert_named_alone(short);
 }
