@@ -96,11 +96,9 @@ pub(crate) fn logged_through(
     let mut noise = Noise::new(seed);
     let mut columns: [Vec<f64>; 5] = Default::default();
     let given = |time_ns: u64, sample: u64| ReplayInput {
-        time_ns,
         issued_ns: sample * sample_time_ns,
         command: Some(profile[sample as usize]),
-        supply_voltage_v: None,
-        supply_pressure: None,
+        ..ReplayInput::at(time_ns)
     };
     let mut next = 0;
     for row in 0..rows {
@@ -133,6 +131,33 @@ pub(crate) fn logged_through(
     ];
     for ((name, unit), column) in signals.into_iter().zip(columns) {
         log.add_signal(name, unit, id, column).unwrap();
+    }
+    log
+}
+
+/// Signals that a logger records together: names, interval (s) and instant of the first sample (s).
+pub(crate) type Rate<'a> = (&'a [&'a str], f64, f64);
+
+/// Returns the log of [`logged`], with each group of signals at a rate of its own and with a time base of its own.
+pub(crate) fn logged_at_rates(
+    plant: &PlantParameters,
+    clock: LoggerClock,
+    rates: &[Rate],
+) -> Recording {
+    let mut log = Recording::new(Provenance::from_source("rates"));
+    for (seed, &(names, interval_s, begin_s)) in (1..).zip(rates) {
+        let later = LoggerClock {
+            phase_s: clock.phase_at_s(begin_s) + begin_s,
+            ..clock
+        };
+        let part = logged(plant, later, interval_s, seed);
+        let count = part.time_bases().next().unwrap().1.len();
+        let id = log.add_time_base(TimeBase::uniform(begin_s, interval_s, count).unwrap());
+        for &name in names {
+            let signal = part.signal(name).unwrap();
+            let values = signal.values_or_nan().to_vec();
+            log.add_signal(name, signal.unit(), id, values).unwrap();
+        }
     }
     log
 }

@@ -49,6 +49,14 @@ impl Bins {
         }
     }
 
+    /// Returns the bins of these samples, which are in order.
+    pub(crate) fn at_rows(&self, rows: &[usize]) -> Self {
+        let mut rows = rows.iter().peekable();
+        let bins = self.iter().enumerate();
+        bins.filter_map(|(row, bin)| rows.next_if_eq(&&row).map(|_| bin))
+            .collect()
+    }
+
     /// Returns the bin of each sample in turn.
     pub fn iter(&self) -> impl Iterator<Item = u16> + '_ {
         let (mut run, mut left) = (0, 0_u32);

@@ -30,6 +30,9 @@ pub(crate) struct Commands {
     delay_s: f64,
     /// Least and largest time from a command to its effect (s).
     delay_range_s: (f64, f64),
+    /// Time before the row that shows a command at which it may have been given already (s); 0 where each row shows the commands, since the
+    /// row before then shows that it was not.
+    early_s: f64,
     /// Time for which a command may remain in force after the next one took effect (s).
     pub(crate) pwm_period_s: f64,
     /// Gaps: times at which the log does not contain the command.
@@ -70,8 +73,11 @@ impl Commands {
             Vec::with_capacity(inputs.len()),
             Vec::with_capacity(inputs.len()),
         ];
-        for input in inputs.iter() {
-            last = input.command.unwrap_or(last);
+        let mut shown = inputs.shown_commands().peekable();
+        for row in 0..inputs.len() {
+            if let Some((_, command)) = shown.next_if(|(shown, _)| *shown == row) {
+                last = command.unwrap_or(last);
+            }
             duty_pct[FILL].push(last.duty_fill_pct);
             duty_pct[VENT].push(last.duty_vent_pct);
         }
@@ -99,6 +105,10 @@ impl Commands {
             }),
             delay_s: parameters.ecu.command_delay_s,
             delay_range_s: delay_range_s(parameters),
+            early_s: match inputs.command_interval_s() {
+                slow_s if slow_s > inputs.interval_s() => slow_s,
+                _ => 0.0,
+            },
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
             gaps: Gaps::of(parameters, &inputs),
         })
@@ -147,7 +157,7 @@ impl Commands {
             }
         };
         for row in (0..self.len()).filter(|&row| acts(row)) {
-            close(begin, self.times_s[row] + earliest_s);
+            close(begin, self.times_s[row] - self.early_s + earliest_s);
             let replaced_s = self.times_s.get(row + 1).copied().unwrap_or(f64::INFINITY);
             begin = begin.max(
                 self.times_s
@@ -185,6 +195,7 @@ mod tests {
             shut_pct: [0.0, 0.0],
             delay_s: 0.015,
             delay_range_s: (0.012, 0.015),
+            early_s: 0.0,
             pwm_period_s: 0.01,
             gaps: Gaps::default(),
         }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
-use plant_sim::replay::{CurrentSampling, Surroundings};
-use recording::{Provenance, Recording, TimeBase, Unit};
+use plant_sim::replay::{CurrentSampling, Surroundings, united};
+use recording::{Provenance, Recording, TimeBase, Unit, own_rows};
 
 use crate::commands::{Commands, DUTIES, shared};
 use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::metrics::picked;
 use crate::noise_floor::Floor;
 use crate::offset::{FineTrace, time_offset};
 use crate::options::CompareOptions;
@@ -20,7 +21,7 @@ use crate::result::{
     LogDefects, Placement, Predictor, RESIDUAL_SIGN, Residual, SignalComparison, TimeOffset,
     Traces, Verdict, WarningKind,
 };
-use crate::run::{FineRun, Setup};
+use crate::run::{FineRun, OwnInstants, Setup};
 use crate::summary::summary;
 use crate::warning::{misaligned, warnings};
 use crate::whiteness::Input;
@@ -44,11 +45,13 @@ pub fn compare_under(
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Comparison, CompareError> {
     options.check()?;
+    let original = log;
+    let log = &*united(parameters, original);
     let surroundings = Surroundings::of(parameters, log)?;
     let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let setup = Setup::new(parameters, (log, conditions), options.tolerance)?;
-    let (measured, not_compared) = measured_signals(parameters, (log, setup.base), &commands)?;
+    let (measured, not_compared) = measured_signals(parameters, (log, original), &commands)?;
     let is_measured = |name: &str| measured.iter().any(|signal| signal.name == name);
     let mut setup = setup.watched(goes_on, OFFSET_ROWS).keeping(is_measured);
     options.check_tolerances(&measured)?;
@@ -63,9 +66,12 @@ pub fn compare_under(
     } else {
         0.0
     };
-    // An event within this many samples still affects the error.
+    // An event within this many rows still affects the error: a sample that stands for several rows corrects once for all of them.
+    let rows_per_sample = |signal: &Measured| signal.interval_s / setup.inputs.interval_s();
     let memory = match pressure {
-        Some(_) => (1.0 / gain).ceil() as usize,
+        Some(pressure) => {
+            ((1.0 / gain).ceil() * rows_per_sample(pressure).max(1.0)).round() as usize
+        }
         None => 1,
     };
     let mut watched = Watched::new(parameters, commands.len(), memory);
@@ -121,13 +127,18 @@ pub fn compare_under(
     let traces = Traces {
         measured: recorded(&measured, source, setup.base)?,
         free_run: with_inputs(
-            free_run.into_recording(format!("free run of the model of {source}"), setup.base)?,
+            free_run.into_recording(
+                format!("free run of the model of {source}"),
+                (setup.base, &measured),
+            )?,
             (log, &setup),
             &commands,
         )?,
         one_step_ahead: match &predictor {
-            Some(_) => one_step_ahead
-                .into_recording(format!("short-horizon prediction of {source}"), setup.base)?,
+            Some(_) => one_step_ahead.into_recording(
+                format!("one-step-ahead prediction of {source}"),
+                (setup.base, &measured),
+            )?,
             None => Recording::default(),
         },
         placements,
@@ -145,8 +156,8 @@ pub fn compare_under(
         },
         held_commands: setup
             .inputs
-            .iter()
-            .filter(|input| input.command.is_none())
+            .shown_commands()
+            .filter(|(_, command)| command.is_none())
             .count(),
         start,
         clock: conditions.clock(source),
@@ -155,7 +166,7 @@ pub fn compare_under(
         verdict: verdict(&signals, options),
         signals,
         not_compared,
-        defects: LogDefects::of(log, &commands, pressure),
+        defects: LogDefects::of(original, &commands, pressure),
         warnings,
         traces,
     })
@@ -167,13 +178,12 @@ fn recorded(
     source: &str,
     base: &TimeBase,
 ) -> Result<Recording, CompareError> {
-    let mut recording = Recording::new(Provenance::from_source(source));
-    let id = recording.add_time_base(base.clone());
+    let mut recording = OwnInstants::new(Provenance::from_source(source), base);
     for signal in measured {
         let values = Arc::clone(&signal.values);
-        recording.add_shared_signal(signal.name, signal.unit, id, values)?;
+        recording.add((signal.name, signal.unit), values, Some(signal))?;
     }
-    Ok(recording)
+    Ok(recording.recording)
 }
 
 /// Returns the free-run simulation together with its inputs, as far as the log has them. A missing command is replaced by the last one,
@@ -242,13 +252,23 @@ impl Lab<'_> {
         let features = Features::new(self.states, self.commands, signal.coil());
         let dimensions = features.dimensions();
         let summary = |errors: Residual, expected, horizon| {
-            let base: &TimeBase = self.setup.base;
+            let times_s = self.setup.base.times_s();
+            let errors: Vec<f64> = errors.iter().collect();
+            let floors = (sigma, expected);
+            let Some(rows) = own_rows(&signal.values) else {
+                let values = &signal.values;
+                return summary(&errors, values, times_s, floors, &self.inputs, horizon);
+            };
+            let of_rows = |values: &[f64]| picked(values, &rows);
+            let duties_pct = [FILL, VENT].map(|valve| of_rows(&self.commands.duty_pct[valve]));
+            let inputs = [FILL, VENT].map(|valve| Input::new(DUTIES[valve], &duties_pct[valve]));
+            let (errors, values) = (of_rows(&errors), of_rows(&signal.values));
             summary(
-                &errors.iter().collect::<Vec<_>>(),
-                &signal.values,
-                base.times_s(),
-                (sigma, expected),
-                &self.inputs,
+                &errors,
+                &values,
+                &of_rows(times_s),
+                floors,
+                &inputs,
                 horizon,
             )
         };
@@ -260,8 +280,19 @@ impl Lab<'_> {
             .iter()
             .map(|dimension| placement(signal.name, dimension))
             .chain([cells]);
-        let placements = placements.collect();
+        let at_own_instants = |placement: Placement| match &signal.own {
+            None => placement,
+            Some((_, rows)) => Placement {
+                bin_of: placement.bin_of.at_rows(rows),
+                ..placement
+            },
+        };
+        let placements = placements.map(at_own_instants).collect();
         let compared_samples = free.iter().filter(|error| !error.is_nan()).count();
+        let samples = signal
+            .own
+            .as_ref()
+            .map_or(free.len(), |(_, rows)| rows.len());
         let holds = limit.map(|limit| free_run.rms <= limit);
         let mut finding = find(&dimensions, &features, local, horizon);
         let short_is_noise = |short: &Excess| !short.is_significant();
@@ -276,7 +307,7 @@ impl Lab<'_> {
             name: signal.name.to_owned(),
             unit: signal.error_unit.symbol().to_owned(),
             compared: compared_samples,
-            missing: free.len() - compared_samples,
+            missing: samples - compared_samples,
             noise_floor: signal.floor.summary.clone(),
             one_step_ahead: short.map(|short| summary(short, short_sigma, Horizon::OneStepAhead)),
             time_offset: self.time_offset(signal),
@@ -310,7 +341,12 @@ impl Lab<'_> {
 
     fn time_offset(&self, signal: &Measured) -> Option<TimeOffset> {
         let rows = self.commands.gaps.longest(self.fine_run.rows);
-        let times_s = &self.commands.times_s[rows.clone()];
+        let (times_s, values) = (&self.commands.times_s[rows.clone()], &signal.values[rows]);
+        let own = own_rows(values).map(|rows| [times_s, values].map(|all| picked(all, &rows)));
+        let (times_s, values) = match &own {
+            None => (times_s, values),
+            Some([times_s, values]) => (&times_s[..], &values[..]),
+        };
         let fine = self.fine_run.columns.get(signal.name)?;
         let fine_times_s = &self.fine_run.times_s;
         let is_mean = matches!(self.setup.sampling, CurrentSampling::MeanOfInterval);
@@ -319,7 +355,7 @@ impl Lab<'_> {
         } else {
             FineTrace::of_instants(fine_times_s, fine)
         };
-        time_offset(times_s, &signal.values[rows], &trace, signal.name)
+        time_offset(times_s, values, &trace, signal.name)
     }
 }
 
@@ -352,5 +388,7 @@ fn verdict(signals: &[SignalComparison], options: &CompareOptions) -> Verdict {
 mod clock_tests;
 #[cfg(test)]
 mod gap_tests;
+#[cfg(test)]
+mod rate_tests;
 #[cfg(test)]
 mod tests;

@@ -38,8 +38,12 @@ impl Conditions {
             Some((clock, issued_ns)) => {
                 // Time that was removed from pauses before the row.
                 let taken_ns = log_ns - input.time_ns;
-                let time_ns = clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
-                (time_ns, issued_ns.saturating_sub(taken_ns).min(time_ns))
+                let on_ecu = |log_ns| clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
+                let shown_ns = on_ecu(shown_log_ns(&input, log_ns));
+                (
+                    on_ecu(log_ns),
+                    issued_ns.saturating_sub(taken_ns).min(shown_ns),
+                )
             }
         };
         ReplayInput {
@@ -48,6 +52,11 @@ impl Conditions {
             ..input
         }
     }
+}
+
+/// Returns the time (ns, clock of the logger) of the row that shows the command of `input`, which lies `log_ns` after the first row.
+pub(crate) fn shown_log_ns(input: &ReplayInput, log_ns: u64) -> u64 {
+    log_ns + input.shown_ns.saturating_sub(input.time_ns)
 }
 
 /// Conditions under which a log was made, as found: clock of the rows relative to the ECU, meaning of the currents, and temperature of the
@@ -63,12 +72,13 @@ pub struct LogConditions {
     pub(crate) admitted_drifts_ppm: Option<(f64, f64)>,
     /// Whether the log begins with a filled chamber.
     pub(crate) begins_filled: bool,
-    /// Instants (ns, ECU time) at which the commands of the first rows were given; those of later rows follow from the clock alone.
-    pub(crate) issued_ns: Vec<u64>,
-    /// Median time from row to row (ns) and sample time of the ECU (ns).
+    /// Instants (ns, clock of the logger) of rows that show commands, in order, and the instants (ns, ECU time) at which the commands were
+    /// given; those of other rows follow from the clock alone.
+    pub(crate) issued_ns: Vec<(u64, u64)>,
+    /// Median time from command to command in the log (ns) and sample time of the ECU (ns).
     pub(crate) interval_ns: u64,
     pub(crate) sample_time_ns: u64,
-    /// Meaning of the currents, means or instantaneous values; none if the time from row to row decides.
+    /// Meaning of the currents, means or instantaneous values; none if the time from sample to sample decides.
     pub(crate) sampling: Option<CurrentSampling>,
 }
 
@@ -83,20 +93,23 @@ impl LogConditions {
         index < rows || time_s <= duration_s
     }
 
-    /// Converts `input`, row `index` of the log, to the time of the ECU; the row lies `log_ns` after the first one by the clock of the
-    /// logger.
-    pub fn on_ecu_time(&self, index: usize, input: ReplayInput, log_ns: u64) -> ReplayInput {
+    /// Converts `input`, a row of the log, to the time of the ECU; the row lies `log_ns` after the first one by the clock of the logger.
+    pub fn on_ecu_time(&self, input: ReplayInput, log_ns: u64) -> ReplayInput {
         let issued_ns = self.conditions.clock.map(|clock| {
-            let known_ns = self.issued_ns.get(index).copied();
+            let shown_ns = shown_log_ns(&input, log_ns);
+            let known = self
+                .issued_ns
+                .binary_search_by_key(&shown_ns, |&(shown_ns, _)| shown_ns);
+            let known_ns = known.ok().map(|place| self.issued_ns[place].1);
             known_ns.unwrap_or_else(|| {
-                let sample = clock.ecu_sample(log_ns, self.interval_ns, self.sample_time_ns);
+                let sample = clock.ecu_sample(shown_ns, self.interval_ns, self.sample_time_ns);
                 sample * self.sample_time_ns
             })
         });
         self.conditions.on_ecu_time(input, log_ns, issued_ns)
     }
 
-    /// Returns the meaning of the currents of a log with rows `interval_s` apart: means or instantaneous values.
+    /// Returns the meaning of the currents of a log, sampled every `interval_s`: means or instantaneous values.
     pub fn sampling(&self, interval_s: f64, parameters: &PlantParameters) -> CurrentSampling {
         let usual = || CurrentSampling::of_interval(interval_s, parameters);
         self.sampling.unwrap_or_else(usual)

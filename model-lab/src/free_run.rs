@@ -1,6 +1,6 @@
 //! One simulation of a log and the size of its error, for immediate feedback while a user changes a parameter.
 
-use plant_sim::replay::Surroundings;
+use plant_sim::replay::{Surroundings, united};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::Recording;
 
@@ -43,11 +43,13 @@ pub fn free_run(
     log: &Recording,
     conditions: &LogConditions,
 ) -> Result<FreeRun, CompareError> {
+    let original = log;
+    let log = &*united(parameters, original);
     let surroundings = Surroundings::of(parameters, log)?;
     let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let mut setup = Setup::new(parameters, (log, conditions), Tolerance::default())?;
-    let (measured, _) = measured_signals(parameters, (log, setup.base), &commands)?;
+    let (measured, _) = measured_signals(parameters, (log, original), &commands)?;
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
     let (_, level) = start(parameters, pressure, &commands);
     setup.begin_at(pressure, level);
@@ -64,7 +66,7 @@ pub fn free_run(
         errors: errors.collect(),
         model: run.into_recording(
             format!("free run of the model of {}", log.provenance().source),
-            setup.base,
+            (setup.base, &measured),
         )?,
     })
 }

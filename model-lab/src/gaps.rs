@@ -48,16 +48,17 @@ pub(crate) struct Gap {
 impl Gaps {
     /// Returns the gaps of a log with these rows.
     pub(crate) fn of(parameters: &PlantParameters, inputs: &Inputs) -> Self {
-        Self::at(parameters, inputs.base(), |row| {
-            inputs.row(row).command.is_some()
-        })
+        let shown = inputs.shown_commands();
+        let shown = shown.map(|(row, command)| (row, command.is_some()));
+        let step_s = inputs.command_interval_s();
+        Self::at(parameters, (inputs.base(), step_s), shown)
     }
 
-    /// Returns the gaps of a log on `base`, given for each row whether it has a command.
+    /// Returns the gaps of a log on `base`, given the rows that show commands, `step_s` apart, and whether the command of each is known.
     fn at(
         parameters: &PlantParameters,
-        base: &TimeBase,
-        is_commanded: impl Fn(usize) -> bool,
+        (base, step_s): (&TimeBase, f64),
+        shown: impl Iterator<Item = (usize, bool)>,
     ) -> Self {
         let has_coil = Part::Coil.is_in(parameters);
         let times_s = base.times_s();
@@ -67,7 +68,6 @@ impl Gaps {
             }
             false => 0.0,
         };
-        let step_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
         let unseen_s = match has_coil {
             true => (GAP_SAMPLES * parameters.ecu.sample_time_s).max(GAP_STEPS * step_s),
             false => f64::INFINITY,
@@ -78,35 +78,43 @@ impl Gaps {
             let open =
                 times_s[known..].partition_point(|&time_s| time_s <= times_s[known] + settled_s);
             Gap {
-                rows: if is_without_commands {
-                    before + 1
-                } else {
-                    known
-                }..known + open,
+                rows: before + 1..known + open,
                 start_s: times_s[before],
                 end_s: times_s[known],
                 is_without_commands,
             }
         };
         let mut gaps: Vec<Gap> = Vec::new();
-        // The last row with a known command.
-        let mut known = None;
-        for row in 0..base.len() {
-            if row > 0 && times_s[row] - times_s[row - 1] > pause_s {
-                gaps.push(gap(row - 1, row, false));
+        // The last row that shows a command, and the last one whose command is known, with the number of such rows before them.
+        let mut last_shown: Option<usize> = None;
+        let mut last_known: Option<(usize, usize)> = None;
+        let mut count = 0;
+        for (n, (row, is_known)) in shown.enumerate() {
+            if let Some(before) = last_shown
+                && times_s[row] - times_s[before] > pause_s
+            {
+                let is_row_late = |pair: &[f64]| pair[1] - pair[0] > pause_s;
+                let has_rows = !times_s[before..=row].windows(2).any(is_row_late);
+                gaps.push(gap(before, row, has_rows));
             }
-            if has_coil && !is_commanded(row) {
+            last_shown = Some(row);
+            count = n + 1;
+            if has_coil && !is_known {
                 continue;
             }
-            if let Some(before) = known
-                && (row - before) as f64 > GAP_SAMPLES + 1.0
+            if let Some((_, before)) =
+                last_known.filter(|(at, _)| (n - at) as f64 > GAP_SAMPLES + 1.0)
             {
                 gaps.push(gap(before, row, true));
             }
-            known = Some(row);
+            last_known = Some((n, row));
         }
         // The rows after the last command have nothing to compare.
-        if let Some(last) = known.filter(|&last| (base.len() - last) as f64 > GAP_SAMPLES + 1.0) {
+        let is_end = |&(at, last): &(usize, usize)| {
+            (count - at) as f64 > GAP_SAMPLES + 1.0
+                || has_coil && base.end_s() - times_s[last] > pause_s
+        };
+        if let Some((_, last)) = last_known.filter(is_end) {
             gaps.push(Gap {
                 rows: last + 1..base.len(),
                 start_s: times_s[last],
@@ -202,6 +210,7 @@ impl Gaps {
                 taken_ns += (span_ns - SIMULATED_NS) / WHOLE_NS * WHOLE_NS;
             }
             input.time_ns -= taken_ns;
+            input.shown_ns -= taken_ns;
             input.issued_ns -= taken_ns;
             input
         }
@@ -215,11 +224,8 @@ mod tests {
     fn inputs(base: &TimeBase, silent: Range<usize>) -> Vec<ReplayInput> {
         let time_ns = |time_s: f64| ((time_s - base.start_s()) * 1e9).round() as u64;
         let input = |(row, &time_s): (usize, &f64)| ReplayInput {
-            time_ns: time_ns(time_s),
-            issued_ns: time_ns(time_s),
             command: (!silent.contains(&row)).then(Default::default),
-            supply_voltage_v: None,
-            supply_pressure: None,
+            ..ReplayInput::at(time_ns(time_s))
         };
         base.times_s().iter().enumerate().map(input).collect()
     }
@@ -232,9 +238,13 @@ mod tests {
 
     fn gaps(base: &TimeBase, silent: Range<usize>) -> Gaps {
         let inputs = inputs(base, silent);
-        Gaps::at(&PlantParameters::nominal(), base, |row| {
-            inputs[row].command.is_some()
-        })
+        let shown = inputs.iter().map(|input| input.command.is_some());
+        let step_s = base.sampling().median_step_s.unwrap();
+        Gaps::at(
+            &PlantParameters::nominal(),
+            (base, step_s),
+            shown.enumerate(),
+        )
     }
 
     #[test]

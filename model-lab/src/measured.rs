@@ -6,12 +6,12 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{SUPPLY_PRESSURE, drives_supply, signals, unknown_signals};
-use recording::{Bounds, Quantity, Recording, TimeBase, Unit};
+use recording::{Bounds, Quantity, Recording, Signal, TimeBase, Unit, own_rows};
 
 use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
 use crate::gaps::Gap;
-use crate::metrics::{mean, present};
+use crate::metrics::{mean, picked, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
@@ -55,8 +55,12 @@ pub(crate) struct Measured {
     pub(crate) unit: Unit,
     /// Unit of the errors.
     pub(crate) error_unit: Unit,
-    /// Values, NaN where missing.
+    /// Values, NaN where missing, and where only other signals were sampled.
     pub(crate) values: Arc<Vec<f64>>,
+    /// Median time from sample to sample (s).
+    pub(crate) interval_s: f64,
+    /// Its time base in the log and the rows of the comparison at these instants, if it has another rate than other signals.
+    pub(crate) own: Option<(TimeBase, Vec<usize>)>,
     pub(crate) floor: Floor,
     /// Ambient pressure of the plant (Pa abs).
     pub(crate) ambient: f64,
@@ -96,10 +100,11 @@ impl Measured {
     }
 }
 
-/// Returns every signal of the log that the model has, and those which have the name but cannot be compared.
+/// Returns every signal of `log` that the model has, and those which have the name but cannot be compared. All signals of `log` have one
+/// time base; `original` is the log as it was read.
 pub(crate) fn measured_signals(
     parameters: &PlantParameters,
-    (log, base): (&Recording, &TimeBase),
+    (log, original): (&Recording, &Recording),
     commands: &Commands,
 ) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
     let modelled: Vec<(&'static str, Unit)> = signals(parameters)
@@ -122,12 +127,6 @@ pub(crate) fn measured_signals(
             continue;
         }
         let signal = log.require(name, unit.quantity())?;
-        if log.time_base(signal.time_base()) != Some(base) {
-            refuse(
-                "it has another time base than what drives the model; instants_of under [rows] in a mapping names the one for all",
-            );
-            continue;
-        }
         if signal.missing_count() == signal.len() {
             refuse("every sample is missing");
             continue;
@@ -158,7 +157,9 @@ pub(crate) fn measured_signals(
             name,
             unit,
             error_unit,
-            values: shared(Some(signal.shared_values()), values),
+            interval_s: interval_s(&commands.times_s, &values),
+            own: own_base(name, (log, original)),
+            values: shared(original.signal(name).map(Signal::shared_values), values),
             floor,
             ambient,
             below_vacuum,
@@ -194,6 +195,24 @@ pub(crate) fn measured_signals(
         });
     }
     Ok((measured, not_compared))
+}
+
+/// Returns the time base of the signal `name` in the log as it was read, and the rows of its instants in the united log; none if these are
+/// all rows.
+fn own_base(
+    name: &str,
+    (united, original): (&Recording, &Recording),
+) -> Option<(TimeBase, Vec<usize>)> {
+    let (all, own) = (united.time_base_of(name)?, original.time_base_of(name)?);
+    (own != all).then(|| (own.clone(), own.rows_in(all)))
+}
+
+/// Returns the median time from sample to sample (s) of a signal at the instants `times_s`; infinite for a single sample.
+fn interval_s(times_s: &[f64], values: &[f64]) -> f64 {
+    let own_s = own_rows(values).map(|rows| picked(times_s, &rows));
+    let base = TimeBase::new(own_s.unwrap_or_else(|| times_s.to_vec())).ok();
+    let step_s = base.and_then(|base| base.sampling().median_step_s);
+    step_s.unwrap_or(f64::INFINITY)
 }
 
 /// Returns the least chamber pressure (Pa abs) at which a model can start.

@@ -5,6 +5,11 @@ pub(crate) fn present(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
     values.iter().copied().filter(|value| !value.is_nan())
 }
 
+/// Returns the values of these rows.
+pub(crate) fn picked(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|&row| values[row]).collect()
+}
+
 /// Returns the mean; none without samples.
 pub(crate) fn mean(values: &[f64]) -> Option<f64> {
     let (count, sum) = present(values).fold((0_usize, 0.0), |(n, sum), value| (n + 1, sum + value));

@@ -1,6 +1,7 @@
 //! Runs of the model at the instants of a log: free-run simulation, one-step-ahead prediction, and a fine run for time shifts.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
@@ -8,14 +9,14 @@ use plant_sim::replay::{
     CurrentSampling, Inputs, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row,
 };
 use plant_sim::{PlantParameters, Simulator, Tolerance};
-use recording::{AddSignalError, Provenance, Recording, TimeBase, Unit};
+use recording::{AddSignalError, Provenance, Recording, TimeBase, TimeBaseId, Unit};
 
 use crate::conditions::LogConditions;
 use crate::error::CompareError;
 use crate::gaps::Gaps;
 use crate::log_start::LogStart;
 use crate::measured::Measured;
-use crate::metrics::present;
+use crate::metrics::{picked, present};
 
 /// Interval at which the valves are sampled within a sample interval (ns).
 const LOOK_NS: u64 = 1_000_000;
@@ -103,8 +104,7 @@ impl<'a> Setup<'a> {
     ) -> Result<Self, ReplayError> {
         let inputs = Inputs::of(parameters, log)?;
         let base = inputs.base();
-        let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
-        let sampling = conditions.sampling(interval_s, parameters);
+        let sampling = conditions.sampling(inputs.current_interval_s(), parameters);
         let supply_pressure = inputs.first_supply_pressure();
         Ok(Self {
             parameters,
@@ -157,7 +157,7 @@ impl<'a> Setup<'a> {
             let time_s = log_ns as f64 * 1e-9;
             TimedRow {
                 index,
-                input: self.conditions.on_ecu_time(index, input, log_ns),
+                input: self.conditions.on_ecu_time(input, log_ns),
                 log_ns,
                 shortened_ns: input.time_ns,
                 time_s,
@@ -271,18 +271,20 @@ impl<'a> Setup<'a> {
             for time_ns in
                 instants_between(begin_ns, input.time_ns).take_while(|&t| t < input.time_ns)
             {
-                let on_the_way = ReplayInput {
-                    time_ns,
-                    issued_ns: time_ns,
-                    command: None,
-                    supply_voltage_v: None,
-                    supply_pressure: None,
-                };
+                let on_the_way = ReplayInput::at(time_ns);
                 let values = self.start.row(&mut replay, on_the_way, warmth);
                 let values = values.ok_or_else(|| ReplayError::aborted(row.shortened_ns))?;
                 fine.columns.push(values);
                 fine.times_s.push((time_ns as i64 + later_ns) as f64 * 1e-9);
             }
+            // Each point has the mean of its own interval.
+            let row = TimedRow {
+                input: ReplayInput {
+                    samples_current: [true; 2],
+                    ..input
+                },
+                ..row
+            };
             fine.columns.push(self.row(&row, &mut replay)?);
             fine.times_s.push(log_ns as f64 * 1e-9);
             self.start.restart(&mut replay, row.index);
@@ -327,22 +329,61 @@ impl Columns {
             .map(|signal| &signal.2[..])
     }
 
-    /// Returns the columns as a recording on `base`, without those of parts that the plant lacks.
+    /// Returns the columns as a recording on `base`, without those of parts that the plant lacks. A signal that was `measured` at instants
+    /// of its own has these.
     pub(crate) fn into_recording(
         self,
         source: String,
-        base: &TimeBase,
+        (base, measured): (&TimeBase, &[Measured]),
     ) -> Result<Recording, AddSignalError> {
         let provenance = Provenance::from_source(source)
             .with_note("producer", concat!("model-lab ", env!("CARGO_PKG_VERSION")));
-        let mut recording = Recording::new(provenance);
-        let id = recording.add_time_base(base.clone());
+        let mut recording = OwnInstants::new(provenance, base);
         for (name, unit, column) in self.signals {
             if present(&column).next().is_some() {
-                recording.add_signal(name, unit, id, column)?;
+                let of_log = measured.iter().find(|signal| signal.name == name);
+                recording.add((name, unit), Arc::new(column), of_log)?;
             }
         }
-        Ok(recording)
+        Ok(recording.recording)
+    }
+}
+
+/// Recording of signals at all rows of a log, each with the instants that it has in the log.
+pub(crate) struct OwnInstants {
+    pub(crate) recording: Recording,
+    /// Time base of all rows.
+    all: TimeBaseId,
+}
+
+impl OwnInstants {
+    pub(crate) fn new(provenance: Provenance, base: &TimeBase) -> Self {
+        let mut recording = Recording::new(provenance);
+        let all = recording.add_time_base(base.clone());
+        Self { recording, all }
+    }
+
+    /// Adds a signal with a value for each row; it is compared with `measured`, if it is.
+    pub(crate) fn add(
+        &mut self,
+        (name, unit): (&str, Unit),
+        column: Arc<Vec<f64>>,
+        measured: Option<&Measured>,
+    ) -> Result<(), AddSignalError> {
+        let (id, column) = match measured.and_then(|signal| signal.own.as_ref()) {
+            None => (self.all, column),
+            Some((own, rows)) => (self.base(own), Arc::new(picked(&column, rows))),
+        };
+        self.recording.add_shared_signal(name, unit, id, column)?;
+        Ok(())
+    }
+
+    fn base(&mut self, own: &TimeBase) -> TimeBaseId {
+        let known = self.recording.time_bases().find(|(_, base)| *base == own);
+        match known.map(|(id, _)| id) {
+            Some(id) => id,
+            None => self.recording.add_time_base(own.clone()),
+        }
     }
 }
 

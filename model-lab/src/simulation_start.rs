@@ -1,7 +1,7 @@
 //! State in which the simulation of a log begins: the state in the log, or a given one.
 
 use plant_sim::parameters::{PA_PER_BAR, ParameterSpec, Part};
-use plant_sim::replay::{CurrentSampling, Inputs, Replay, ReplayInput, Row};
+use plant_sim::replay::{CurrentSampling, Inputs, Replay, ReplayInput, Row, united};
 use plant_sim::{PlantParameters, Simulator, Tolerance};
 use recording::{Bounds, Quantity, Recording};
 
@@ -74,10 +74,12 @@ impl SimulationStart {
     /// # Errors
     /// [`CompareError`]: the log cannot drive the model.
     pub fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, CompareError> {
+        let original = log;
+        let log = &*united(parameters, original);
         let inputs = Inputs::of(parameters, log)?;
         let commands = Commands::new(parameters, log)?;
         // A log without measured signals contains commands alone.
-        let measured = measured_signals(parameters, (log, inputs.base()), &commands);
+        let measured = measured_signals(parameters, (log, original), &commands);
         let (measured, _) = measured.unwrap_or_default();
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (found, level) = start(parameters, pressure, &commands);

@@ -3,17 +3,18 @@
 //! A row of a log contains data of the ECU at one instant: the duty cycles that it commands from this instant on, and
 //! the sensor values sampled at this instant. Coil currents are means over the interval that ends there if rows are
 //! slower than the PWM (an ECU log), and values of the instant if they are faster (a scope).
+//!
+//! Signals of several rates share the rows of [`united`]: a row exists for each instant of any of them.
 
 mod error;
 mod inputs;
+mod mean_current;
 mod names;
 mod supply;
 mod surroundings;
 
 pub use error::ReplayError;
-pub use inputs::{
-    Inputs, LONGEST_GAP_S, ReplayInput, check_gap, initial_pressure, inputs, inputs_of_part,
-};
+pub use inputs::{Inputs, LONGEST_GAP_S, ReplayInput, check_gap, initial_pressure, inputs, united};
 pub use names::{UnknownSignal, unknown_signals};
 pub use supply::{SUPPLY_PRESSURE, drives_supply, supply_bounds};
 pub use surroundings::{AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, Surroundings};
@@ -25,6 +26,7 @@ use crate::parameters::{Part, PlantParameters};
 use crate::plant::{FILL, VENT};
 use crate::regulating_valve::RegulatingValve;
 use crate::simulator::{Sample, Simulator, Statistics, Tolerance};
+use mean_current::MeanCurrent;
 
 /// Meaning of the coil current of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +114,7 @@ pub struct Replay {
     /// Offset of the gauge (Pa).
     supply_gauge_offset: f64,
     last: Option<Sample>,
+    mean_current: [MeanCurrent; 2],
     /// Simulated time before the first row (ns).
     lead_ns: u64,
 }
@@ -147,6 +150,7 @@ impl Replay {
             supply_gauge_offset: parameters.gas.supply_gauge_offset_bar
                 * crate::parameters::PA_PER_BAR,
             last: None,
+            mean_current: Default::default(),
             lead_ns: 0,
         }
     }
@@ -158,11 +162,9 @@ impl Replay {
         let lead_ns = periods * self.pwm_period_ns;
         for time_ns in [0, lead_ns] {
             self.row(ReplayInput {
-                time_ns,
                 issued_ns: 0,
                 command: Some(command),
-                supply_voltage_v: None,
-                supply_pressure: None,
+                ..ReplayInput::at(time_ns)
             });
         }
         self.last = None;
@@ -228,6 +230,10 @@ impl Replay {
         self.advance_to_ns(input.time_ns);
         let sample = self.simulator.sample();
         let plunger = self.advance_plunger(&sample);
+        let mean_current = [FILL, VENT].map(|coil| {
+            let (mean, sampled) = (sample.mean_current[coil], input.samples_current[coil]);
+            self.mean_current[coil].at_row(mean, sample.time_ns, sampled)
+        });
         self.last = Some(sample);
         if let Some(volt) = input.supply_voltage_v
             && volt != self.supply_voltage_v
@@ -241,7 +247,7 @@ impl Replay {
             self.begin_supplied(shown);
         }
         let current = match self.sampling {
-            CurrentSampling::MeanOfInterval => sample.mean_current,
+            CurrentSampling::MeanOfInterval => mean_current,
             CurrentSampling::Instant => sample.current,
         };
         [
@@ -302,10 +308,10 @@ pub fn replay(
 ) -> Result<Replayed, ReplayError> {
     let surroundings = Surroundings::of(parameters, log)?;
     let parameters = &*surroundings.around(parameters);
+    let log = &*united(parameters, log);
     let inputs = Inputs::of(parameters, log)?;
     let base = inputs.base();
-    let interval_s = base.sampling().median_step_s.unwrap_or(f64::INFINITY);
-    let sampling = CurrentSampling::of_interval(interval_s, parameters);
+    let sampling = CurrentSampling::of_interval(inputs.current_interval_s(), parameters);
     let mut replay = Replay::new(parameters, sampling, tolerance);
     if let Some(shown) = inputs.first_supply_pressure() {
         replay.begin_supplied(shown);

@@ -45,14 +45,11 @@ fn check(plant: &PlantParameters, what: &str) {
             }
         };
         let row = replay.row(ReplayInput {
-            time_ns,
-            issued_ns: time_ns,
             command: Some(Command {
                 duty_fill_pct: duty(0),
                 duty_vent_pct: duty(20),
             }),
-            supply_voltage_v: None,
-            supply_pressure: None,
+            ..ReplayInput::at(time_ns)
         });
         for ((name, _), value) in ROW_SIGNALS.iter().zip(row) {
             let has = signals(plant).any(|(one, _)| one == *name);

@@ -1,5 +1,6 @@
 //! Defects of a recording: rows that the logger did not write, and cells without a value.
 
+use crate::united::OwnRate;
 use crate::{OutOfBounds, Recording, Sampling, Signal};
 
 /// Gaps and missing cells of a recording; [`Defects::sentences`] has one sentence for each.
@@ -35,6 +36,8 @@ pub struct MissingCells {
     pub of: usize,
     /// Instant of the first of these cells (s).
     pub first_s: f64,
+    /// Whether the signal counts as sampled at the other rows only, at a lower rate.
+    pub has_own_rate: bool,
     /// Cells that had a value out of bounds.
     pub out_of_bounds: Option<OutOfBounds>,
 }
@@ -68,6 +71,7 @@ impl Recording {
                     cells,
                     of: signal.len(),
                     first_s: base.times_s()[first],
+                    has_own_rate: signal.own_rows().is_some(),
                     out_of_bounds: outside
                         .clone()
                         .find(|cells| cells.signal == signal.name())
@@ -97,6 +101,7 @@ struct Cells {
     missing: usize,
     of: usize,
     first_s: Option<f64>,
+    rate: OwnRate,
 }
 
 impl DefectCounter {
@@ -128,9 +133,12 @@ impl DefectCounter {
         for (cells, signal) in self.signals.iter_mut().zip(piece.signals()) {
             cells.of += signal.len();
             let values = signal.values_or_nan().iter().zip(base.times_s());
-            for (_, &time_s) in values.filter(|(value, _)| value.is_nan()) {
-                cells.missing += 1;
-                cells.first_s.get_or_insert(time_s);
+            for (value, &time_s) in values {
+                cells.rate.add(!value.is_nan());
+                if value.is_nan() {
+                    cells.missing += 1;
+                    cells.first_s.get_or_insert(time_s);
+                }
             }
         }
     }
@@ -143,6 +151,7 @@ impl DefectCounter {
         let missing = self.signals.into_iter().filter_map(|cells| {
             Some(MissingCells {
                 first_s: cells.first_s?,
+                has_own_rate: cells.rate.is_own(),
                 cells: cells.missing,
                 of: cells.of,
                 out_of_bounds: out_of_bounds
@@ -167,6 +176,7 @@ impl Cells {
             missing: 0,
             of: 0,
             first_s: None,
+            rate: OwnRate::default(),
         }
     }
 }
@@ -218,8 +228,15 @@ impl MissingCells {
     /// Returns a sentence with the number of missing cells and those out of bounds.
     pub fn sentence(&self) -> String {
         let begin = format!(
-            "{} of {} cells of {} are missing, the first at {:.3} s",
-            self.cells, self.of, self.signal, self.first_s
+            "{} of {} cells of {} are missing, the first at {:.3} s{}",
+            self.cells,
+            self.of,
+            self.signal,
+            self.first_s,
+            match self.has_own_rate {
+                true => "; it counts as sampled at the other rows only",
+                false => "",
+            }
         );
         match &self.out_of_bounds {
             Some(cells) => format!("{begin}; {cells}"),
@@ -258,6 +275,23 @@ mod tests {
                 "1 of 40 cells of i_fill are missing, the first at 0.300 s; 1 cell of i_fill out of bounds \
                  (allowed: -1000000 to 1000000 mA), counted as missing: line 22, column 3: \
                  1e200 mA"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_slow_signal_is_told_to_have_its_own_rows() {
+        let cell = |row: u32| if row.is_multiple_of(5) { "1.5" } else { "" };
+        let rows = (0..60).map(|row| format!("{:.2},{},280\n", f64::from(row) * 0.01, cell(row)));
+        let log = format!(
+            "time_s,p_ch_bar_gauge,i_fill_mA\n{}",
+            rows.collect::<String>()
+        );
+        let log = read("log.csv", log.as_bytes(), &Options::default()).unwrap();
+        assert_eq!(
+            log.defects().sentences(),
+            [
+                "48 of 60 cells of p_ch are missing, the first at 0.010 s; it counts as sampled at the other rows only"
             ]
         );
     }

@@ -18,6 +18,7 @@ mod signal;
 mod start_time;
 mod time_base;
 mod unit;
+mod united;
 
 pub use bounds::{Bounds, OutOfBounds, Outlier};
 pub use defects::{DefectCounter, Defects, MissingCells, Pause};
@@ -35,3 +36,4 @@ pub use signal::Signal;
 pub use start_time::{Clock, StartTime};
 pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};
+pub use united::own_rows;

@@ -9,7 +9,7 @@ use crate::{OutOfBounds, Provenance, Quantity, Signal, TimeBase, Unit};
 pub struct Recording {
     provenance: Provenance,
     time_bases: Vec<TimeBase>,
-    signals: Vec<Signal>,
+    pub(crate) signals: Vec<Signal>,
     left_out: Vec<LeftOut>,
     out_of_bounds: Vec<OutOfBounds>,
     needs: Vec<(String, f64)>,

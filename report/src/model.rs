@@ -175,7 +175,7 @@ fn signal_section(part: &ModelPart<'_>, signal: &SignalComparison) -> Markup {
     html! {
         article {
             h3 { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }
-            p.finding { (foreign(&signal.finding.sentence)) "." }
+            p.finding { (foreign(&capitalised(&signal.finding.sentence))) "." }
             @if let Some(excerpt_s) = excerpt_s {
                 p.lead { "The ten seconds with the largest free-run error:" }
                 (figure(plot::comparison(log, comparison, signal, Some(excerpt_s))))

@@ -99,14 +99,11 @@ fn simulated(plant: &PlantParameters, commands: &[[f64; 2]]) -> Vec<f64> {
     let mut time_ns = 0;
     let rows = commands.iter().flat_map(|&[duty_fill_pct, duty_vent_pct]| {
         let row = model.row(ReplayInput {
-            time_ns,
-            issued_ns: time_ns,
             command: Some(Command {
                 duty_fill_pct,
                 duty_vent_pct,
             }),
-            supply_voltage_v: None,
-            supply_pressure: None,
+            ..ReplayInput::at(time_ns)
         });
         time_ns += period;
         [row[2] / NOISE[0], row[3] / NOISE[1], row[4] / NOISE[2]]

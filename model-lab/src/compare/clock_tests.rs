@@ -23,7 +23,7 @@ fn in_noise(comparison: &Comparison) -> Vec<f64> {
 }
 
 /// Returns the plant of the logs as after a fit. In a first plant file, the delay may be as wrong as the clock.
-fn fitted() -> PlantParameters {
+pub(super) fn fitted() -> PlantParameters {
     let mut plant = PlantParameters::nominal();
     let delay = (
         "ecu.command_delay_s".to_owned(),

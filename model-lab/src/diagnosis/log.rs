@@ -9,7 +9,7 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::{PA_PER_BAR, Part};
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, Surroundings};
 use plant_sim::{PlantParameters, Tolerance};
-use recording::Recording;
+use recording::{Recording, own_rows};
 
 use super::error::DiagnoseError;
 use super::predictor::Predictor;
@@ -22,11 +22,12 @@ use crate::log_start::LogStart;
 use crate::measured::{
     GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_weighed, start,
 };
+use crate::metrics::picked;
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
 
-/// Interval of rows (s) below which a current is an instantaneous value; with a longer one it may be a mean.
+/// Interval of its samples (s) below which a current is an instantaneous value; with a longer one it may be a mean.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
-/// Interval of rows, in samples of the ECU, above which the sample at which a command was given is undetermined.
+/// Interval of the commands, in samples of the ECU, above which the sample at which a command was given is undetermined.
 const SLOWER: f64 = 0.75;
 /// Least pressure after a correction (Pa abs).
 const LEAST_PRESSURE: f64 = 1e3;
@@ -39,10 +40,13 @@ pub(crate) struct Log {
     inputs: Vec<ReplayInput>,
     /// Sample time of the ECU (s).
     pub(crate) sample_time_s: f64,
-    /// Median time from row to row (s).
+    /// Median time from row to row, and from one row that shows the commands to the next (s).
     pub(crate) interval_s: f64,
+    pub(crate) command_interval_s: f64,
+    /// Median time from sample to sample of the currents (s).
+    current_interval_s: f64,
     pub(crate) sampling: CurrentSampling,
-    /// Whether several rows show each PWM period.
+    /// Whether several samples of a current show each PWM period.
     resolves_pwm: bool,
     /// Whether the plant has coils.
     has_coil: bool,
@@ -99,6 +103,8 @@ pub(crate) struct Channel {
     pub(super) column: usize,
     /// Values in the unit of the model; NaN where missing.
     pub(crate) values: Arc<Vec<f64>>,
+    /// Whether it was sampled at a lower rate than the rows.
+    pub(crate) has_own_rate: bool,
     /// Standard deviation of the measurement noise, or where that is less, the error that a correct model may have: a better sensor does
     /// not make the model better.
     pub(crate) sigma: f64,
@@ -128,6 +134,8 @@ impl Log {
             commands,
             inputs,
             interval_s,
+            command_interval_s,
+            current_interval_s,
             measured,
             mut not_compared,
             warnings,
@@ -142,7 +150,7 @@ impl Log {
             LogStart::at(parameters, pressure, level, first_command).supplied(supply_pressure);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
-            let told = noise.of(signal.name, &signal.floor, interval_s);
+            let told = noise.of(signal.name, &signal.floor, signal.interval_s);
             told.unwrap_or_else(|| scatter_or_resolution(signal))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
@@ -169,6 +177,7 @@ impl Log {
                     signal: signal.name,
                     column,
                     sigma: sigma.max(model_error),
+                    has_own_rate: own_rows(&signal.values).is_some(),
                     values: signal.values,
                 }
             })
@@ -179,7 +188,7 @@ impl Log {
             });
         }
         let samples = commands.len();
-        let usual_sampling = CurrentSampling::of_interval(interval_s, parameters);
+        let usual_sampling = CurrentSampling::of_interval(current_interval_s, parameters);
         let mut log = Self {
             source: log.provenance().source.clone(),
             commands,
@@ -199,6 +208,8 @@ impl Log {
             issued_ns: Vec::new(),
             sample_time_s: parameters.ecu.sample_time_s,
             interval_s,
+            command_interval_s,
+            current_interval_s,
             surroundings,
             start,
             predictor: Predictor::free_run(samples),
@@ -261,11 +272,11 @@ impl Log {
             admitted_drifts_ppm: None,
             begins_filled: self.begins_filled(),
             issued_ns: match self.is_slow() {
-                true => self.issued_ns.clone(),
+                true => self.shown_and_issued_ns(self.issued_ns.len()),
                 // The clock does not show when the first command was given.
-                false => self.issued_ns.first().copied().into_iter().collect(),
+                false => self.shown_and_issued_ns(1),
             },
-            interval_ns: (self.interval_s * 1e9) as u64,
+            interval_ns: (self.command_interval_s * 1e9) as u64,
             sample_time_ns: (self.sample_time_s * 1e9).round() as u64,
             sampling: Some(self.sampling),
         }
@@ -322,7 +333,7 @@ impl Log {
 
     /// Returns whether its rows do not determine the sample of the ECU at which a command was given.
     pub(crate) fn is_slow(&self) -> bool {
-        self.interval_s > SLOWER * self.sample_time_s
+        self.command_interval_s > SLOWER * self.sample_time_s
     }
 
     /// Returns the middle of the log since its first row (s): there a phase does not depend on the drift.
@@ -344,7 +355,7 @@ impl Log {
     /// Returns whether its currents may be either means since the row before or instantaneous values: the logger is between an ECU, which
     /// averages, and an oscilloscope, which does not.
     pub(crate) fn is_sampling_open(&self) -> bool {
-        self.has_current() && self.interval_s >= SCOPE_INTERVAL_S && self.resolves_pwm
+        self.has_current() && self.current_interval_s >= SCOPE_INTERVAL_S && self.resolves_pwm
     }
 
     pub(crate) fn has_current(&self) -> bool {
@@ -551,7 +562,10 @@ fn scatter_or_resolution(signal: &Measured) -> f64 {
 /// Returns the standard deviation of the noise from second differences, which remove a slow signal. Their median is insensitive to the few
 /// samples at a switching valve.
 fn scatter(values: &[f64]) -> f64 {
-    let mut curvatures: Vec<f64> = values
+    let own: Option<Vec<f64>> = own_rows(values).map(|rows| picked(values, &rows));
+    let mut curvatures: Vec<f64> = own
+        .as_deref()
+        .unwrap_or(values)
         .windows(3)
         .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs())
         .filter(|curvature| curvature.is_finite())

@@ -1,7 +1,7 @@
 //! Content of a log before the noise of its sensors is known.
 
 use plant_sim::PlantParameters;
-use plant_sim::replay::{ReplayInput, SUPPLY_PRESSURE, Surroundings, inputs};
+use plant_sim::replay::{Inputs, ReplayInput, SUPPLY_PRESSURE, Surroundings, united};
 use recording::Recording;
 
 use super::error::DiagnoseError;
@@ -17,6 +17,8 @@ pub(super) struct Read {
     pub(super) commands: Commands,
     pub(super) inputs: Vec<ReplayInput>,
     pub(super) interval_s: f64,
+    pub(super) command_interval_s: f64,
+    pub(super) current_interval_s: f64,
     pub(super) measured: Vec<Measured>,
     pub(super) not_compared: Vec<NotCompared>,
     pub(super) warnings: Vec<Warning>,
@@ -24,13 +26,19 @@ pub(super) struct Read {
 }
 
 impl Read {
-    pub(super) fn of(parameters: &PlantParameters, log: &Recording) -> Result<Self, DiagnoseError> {
+    pub(super) fn of(
+        parameters: &PlantParameters,
+        original: &Recording,
+    ) -> Result<Self, DiagnoseError> {
+        let log = &*united(parameters, original);
         let surroundings = Surroundings::of(parameters, log).map_err(CompareError::from)?;
         let parameters = &*surroundings.around(parameters);
         let commands = Commands::new(parameters, log).map_err(CompareError::from)?;
-        let (base, mut inputs) = inputs(parameters, log).map_err(CompareError::from)?;
+        let of_log = Inputs::of(parameters, log).map_err(CompareError::from)?;
+        let mut inputs: Vec<ReplayInput> = of_log.iter().collect();
         commands.gaps.shorten(&mut inputs);
-        let (measured, mut not_compared) = measured_signals(parameters, (log, base), &commands)?;
+        let (measured, mut not_compared) =
+            measured_signals(parameters, (log, original), &commands)?;
         not_compared.retain(|signal| {
             let name = signal.name.as_str();
             WEIGHED.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
@@ -53,7 +61,9 @@ impl Read {
         }
         Ok(Self {
             warnings: warnings(parameters, log, &commands, &measured),
-            interval_s: base.sampling().median_step_s.unwrap_or(f64::INFINITY),
+            interval_s: of_log.interval_s(),
+            command_interval_s: of_log.command_interval_s(),
+            current_interval_s: of_log.current_interval_s(),
             commands,
             inputs,
             measured,
@@ -64,6 +74,6 @@ impl Read {
 
     /// Reports the noise of the sensors in this log to `noise`.
     pub(super) fn tell(&self, noise: &mut SensorNoise) {
-        noise.hear(&self.measured, self.interval_s);
+        noise.hear(&self.measured);
     }
 }

@@ -36,8 +36,8 @@ impl Told {
 
 impl SensorNoise {
     /// Adds the noise estimates of a log.
-    pub(super) fn hear(&mut self, measured: &[Measured], interval_s: f64) {
-        let told = |signal: &Measured| told(signal.name, &signal.floor, interval_s);
+    pub(super) fn hear(&mut self, measured: &[Measured]) {
+        let told = |signal: &Measured| told(signal.name, &signal.floor, signal.interval_s);
         self.0.extend(measured.iter().filter_map(told));
     }
 

@@ -42,13 +42,7 @@ fn after_filling(plant: &PlantParameters, gas_k: f64) -> Recording {
     let (mut pressure, mut temperature) = (Vec::new(), Vec::new());
     for row in 0..1200_u64 {
         let time_ns = row * 50_000_000;
-        let values = replay.row(ReplayInput {
-            time_ns,
-            issued_ns: time_ns,
-            command: None,
-            supply_voltage_v: None,
-            supply_pressure: None,
-        });
+        let values = replay.row(ReplayInput::at(time_ns));
         pressure.push(values[2] + 2e-3 * noise.normal());
         temperature.push(values[9] + 0.1 * noise.normal());
     }

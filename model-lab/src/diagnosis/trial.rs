@@ -421,7 +421,16 @@ fn schwarz_difference(gained: f64, [from, to]: [usize; 2], independent_samples: 
 fn correlation_samples(evidence: &Evidence, residuals: &[f64]) -> f64 {
     evidence
         .channels()
-        .filter_map(|(_, _, range)| autocorrelation_time_samples(&residuals[range]))
+        .filter_map(|(_, channel, range)| {
+            let residuals = &residuals[range];
+            if !channel.has_own_rate {
+                return autocorrelation_time_samples(residuals);
+            }
+            let own = residuals.iter().zip(channel.values.iter());
+            let own = own.filter(|(_, value)| !value.is_nan());
+            let own: Vec<f64> = own.map(|(residual, _)| *residual).collect();
+            autocorrelation_time_samples(&own)
+        })
         .fold(1.0, f64::max)
 }
 

@@ -113,7 +113,7 @@ pub enum ReplayError {
     NoTimeBase,
     /// Commands and voltage have different time bases.
     #[error(
-        "`{name}` has another time base than the duty cycles: say in a mapping, under [rows], instants_of = \"duty_fill\""
+        "`{name}` has another time base than the other signals: unite the time bases of the log first"
     )]
     OtherTimeBase {
         /// Name of the signal.

@@ -86,12 +86,20 @@ pub(super) fn logged_supply(
     if own == base {
         return Some(values);
     }
-    // The value of a gauge with its own rate is valid until the next one.
-    let at = |time_s: &f64| {
-        let before = own.times_s().partition_point(|own_s| own_s <= time_s);
-        before.checked_sub(1).map_or(f64::NAN, |row| values[row])
-    };
-    Some(base.times_s().iter().map(at).collect())
+    let places = last_before(own, base).into_iter();
+    Some(
+        places
+            .map(|place| place.map_or(f64::NAN, |place| values[place]))
+            .collect(),
+    )
+}
+
+/// Returns for each row of `base` the last sample of a signal on the time base `own`, which is valid until the next
+/// one; `None` before the first.
+pub(super) fn last_before(own: &TimeBase, base: &TimeBase) -> Vec<Option<usize>> {
+    let before = |time_s: &f64| own.times_s().partition_point(|own_s| own_s <= time_s);
+    let rows = base.times_s().iter();
+    rows.map(|time_s| before(time_s).checked_sub(1)).collect()
 }
 
 /// Returns each value as the mean of the widest interval about it whose mean agrees with those of all narrower ones:

@@ -1,9 +1,10 @@
 //! Time series as line segments: gaps stay gaps, and a long log is thinned without losing an extreme.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use model_lab::result::Traces;
-use recording::{Recording, Sampling, Unit};
+use recording::{Recording, Sampling, TimeBase, Unit, own_rows};
 
 /// Instant (s) and value.
 pub(super) type Point = (f64, f64);
@@ -11,7 +12,7 @@ pub(super) type Point = (f64, f64);
 /// Values over time; NaN is a missing sample.
 #[derive(Clone, Debug)]
 pub(super) struct Trace<'a> {
-    times_s: &'a [f64],
+    times_s: Cow<'a, [f64]>,
     values: Vec<f64>,
     /// Median sample interval (s).
     step_s: f64,
@@ -45,7 +46,7 @@ impl<'a> Trace<'a> {
     fn on(recording: &'a Recording, name: &str, values: Vec<f64>) -> Option<Self> {
         let base = recording.time_base_of(name)?;
         Some(Self {
-            times_s: base.times_s(),
+            times_s: Cow::Borrowed(base.times_s()),
             values,
             step_s: base.sampling().median_step_s.unwrap_or(1.0),
         })
@@ -102,8 +103,9 @@ impl<'a> Trace<'a> {
 
     /// Returns lines from sample to sample, broken at missing samples; a sample between missing ones becomes a dash.
     pub(super) fn lines(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
-        let point = |row: usize| (self.times_s[row], self.values[row]);
-        self.pieces(window_s)
+        let own = self.at_own_rows();
+        let point = |row: usize| (own.times_s[row], own.values[row]);
+        own.pieces(window_s)
             .into_iter()
             .map(|rows| match rows.len() {
                 1 => dash(point(rows.start), window_s),
@@ -114,20 +116,21 @@ impl<'a> Trace<'a> {
 
     /// Returns a step line: a value applies until the next sample, like a command.
     pub(super) fn stairs(&self, window_s: &Range<f64>, columns: usize) -> Vec<Vec<Point>> {
-        let begins_inside = |row: &usize| self.times_s[*row] < window_s.end;
+        let own = self.at_own_rows();
+        let begins_inside = |row: &usize| own.times_s[*row] < window_s.end;
         let stair = |row: usize, end: usize| {
-            let from_s = self.times_s[row];
+            let from_s = own.times_s[row];
             let to_s = if row + 1 < end {
-                self.times_s[row + 1]
+                own.times_s[row + 1]
             } else {
-                from_s + self.step_s
+                from_s + own.step_s
             };
             [
-                (from_s, self.values[row]),
-                (to_s.min(window_s.end), self.values[row]),
+                (from_s, own.values[row]),
+                (to_s.min(window_s.end), own.values[row]),
             ]
         };
-        self.pieces(window_s)
+        own.pieces(window_s)
             .into_iter()
             .map(|rows| {
                 let end = rows.end;
@@ -138,6 +141,23 @@ impl<'a> Trace<'a> {
                 drawn(&points, window_s, columns)
             })
             .collect()
+    }
+
+    /// Returns the series at the instants at which it was sampled, if it has a lower rate than its rows.
+    fn at_own_rows(&self) -> Cow<'_, Self> {
+        let Some(rows) = own_rows(&self.values) else {
+            return Cow::Borrowed(self);
+        };
+        let of_rows = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
+        let times_s: Vec<f64> = of_rows(&self.times_s);
+        let base = TimeBase::new(times_s.clone()).ok();
+        Cow::Owned(Self {
+            values: of_rows(&self.values),
+            times_s: Cow::Owned(times_s),
+            step_s: base
+                .and_then(|base| base.sampling().median_step_s)
+                .unwrap_or(self.step_s),
+        })
     }
 
     fn rows(&self, window_s: &Range<f64>) -> Range<usize> {
@@ -224,7 +244,7 @@ fn thinned(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use recording::{Provenance, TimeBase};
+    use recording::Provenance;
 
     use super::*;
 
@@ -295,6 +315,22 @@ mod tests {
                 vec![(0.03, 3.0), (0.04, 4.0)]
             ]
         );
+    }
+
+    /// Defect seen: the duty cycles of a log with empty cells between its commands were drawn as separate dashes.
+    #[test]
+    fn a_signal_of_a_lower_rate_is_one_line() {
+        let value = |row: usize| match row % 5 {
+            0 => row as f64,
+            _ => f64::NAN,
+        };
+        let recording = recording_of((0..100).map(value).collect());
+        let [line] = &lines(&recording, 1000)[..] else {
+            panic!("{:?}", lines(&recording, 1000));
+        };
+        assert_eq!(line.len(), 20);
+        let trace = Trace::of(&recording, "p_ch").unwrap();
+        assert_eq!(trace.stairs(&(0.0..1.0), 1000).len(), 1);
     }
 
     #[test]

@@ -8,10 +8,10 @@ use std::time::Instant;
 use model_lab::result::{FoundClock, FoundStart, MissingCells};
 use model_lab::{CompareError, LogConditions, SimulationStart, find_conditions};
 use plant_sim::replay::{
-    CurrentSampling, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, Surroundings, check_gap,
-    inputs, inputs_of_part, signals,
+    CurrentSampling, Inputs, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, Surroundings,
+    check_gap, signals, united,
 };
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::{Command, PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError};
 use recording::{DefectCounter, Defects, OpenLog, Provenance, Recording, Unit};
 use schemars::JsonSchema;
@@ -250,6 +250,8 @@ struct Model<'a> {
     start: &'a SimulationStart,
     conditions: &'a LogConditions,
     sampling: CurrentSampling,
+    /// Last command that a row showed.
+    shown: Command,
     start_s: Option<f64>,
     end_s: f64,
     rows: u64,
@@ -262,14 +264,14 @@ impl<'a> Model<'a> {
         (begin, start): (&Chunk, &'a SimulationStart),
         conditions: &'a LogConditions,
     ) -> Self {
-        let step_s = begin.median_step_s.unwrap_or(f64::INFINITY);
-        let sampling = conditions.sampling(step_s, parameters);
+        let sampling = conditions.sampling(begin.current_interval_s, parameters);
         let accuracy = (sampling, Tolerance::default());
         Self {
             replay: start.begin(parameters, conditions, accuracy),
             start,
             conditions,
             sampling,
+            shown: Command::default(),
             start_s: None,
             end_s: 0.0,
             rows: 0,
@@ -283,19 +285,25 @@ impl<'a> Model<'a> {
             check_gap(self.end_s, time_s)?;
         }
         self.end_s = time_s;
-        let index = self.rows as usize;
         self.rows += 1;
         self.held_commands += u64::from(input.command.is_none());
         let time_ns = ((time_s - start_s) * 1e9).round() as u64;
+        let shown_ns = time_ns + (input.shown_ns - input.time_ns);
+        if let Some(command) = input.command.filter(|_| shown_ns == time_ns) {
+            self.shown = command;
+        }
         let input = ReplayInput {
             time_ns,
-            issued_ns: time_ns,
+            shown_ns,
+            issued_ns: shown_ns,
             ..input
         };
-        let input = self.conditions.on_ecu_time(index, input, time_ns);
+        let input = self.conditions.on_ecu_time(input, time_ns);
         let at = (input, time_s - start_s);
         let row = self.start.row(&mut self.replay, self.conditions, at);
-        row.ok_or_else(|| ReplayError::aborted(time_ns))
+        let mut row = row.ok_or_else(|| ReplayError::aborted(time_ns))?;
+        [row[0], row[1]] = [self.shown.duty_fill_pct, self.shown.duty_vent_pct];
+        Ok(row)
     }
 }
 
@@ -352,7 +360,8 @@ fn refused(log: &str, error: ReplayError) -> Failure {
 #[derive(Default)]
 struct Chunk {
     rows: Vec<(f64, ReplayInput)>,
-    median_step_s: Option<f64>,
+    /// Median time between two samples of a current (s).
+    current_interval_s: f64,
 }
 
 impl Chunk {
@@ -363,14 +372,16 @@ impl Chunk {
         is_first: bool,
     ) -> Result<Self, Failure> {
         // A command may be missing in a later chunk, but not in the first one.
+        let recording = &*united(parameters, recording);
         let inputs = match is_first {
-            true => inputs(parameters, recording),
-            false => inputs_of_part(parameters, recording),
+            true => Inputs::of(parameters, recording),
+            false => Inputs::of_part(parameters, recording),
         };
-        let (base, inputs) = inputs.map_err(|error| refused(log, error))?;
+        let inputs = inputs.map_err(|error| refused(log, error))?;
+        let times_s = inputs.base().times_s().iter().copied();
         Ok(Self {
-            rows: base.times_s().iter().copied().zip(inputs).collect(),
-            median_step_s: base.sampling().median_step_s,
+            rows: times_s.zip(inputs.iter()).collect(),
+            current_interval_s: inputs.current_interval_s(),
         })
     }
 }

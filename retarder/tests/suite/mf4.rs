@@ -2,6 +2,7 @@
 
 use std::fs::File;
 
+use model_lab::Comparison;
 use recording::{Provenance, Recording, TimeBase, Unit, csv, mf4};
 
 use crate::runner::{Bench, assert_contains, data, short_log};
@@ -72,9 +73,9 @@ fn the_closed_loop_is_written_as_mf4() {
     assert_eq!(mf4.signals(), csv.signals());
 }
 
-/// Pressure at 1 kHz, commands at 100 Hz: the message states the mapping to write, and with it the comparison runs.
+/// Pressure at 1 kHz, commands at 100 Hz: each at its own instants, or at those that a mapping chooses.
 #[test]
-fn two_rates_are_compared_at_the_instants_that_a_mapping_chooses() {
+fn two_rates_are_compared_as_they_are_or_at_the_instants_of_one() {
     let bench = Bench::new();
     let log = data("synthetic/practice-00-id.csv");
     let log = csv::read_file(log, &csv::Options::default()).unwrap();
@@ -100,12 +101,13 @@ fn two_rates_are_compared_at_the_instants_that_a_mapping_chooses() {
         .add_signal("p_ch", Unit::BarGauge, fast_id, held)
         .unwrap();
     write_mf4(&bench, "two-rate.mf4", &rates);
-    let refused = bench.run(&["compare", "--log", "two-rate.mf4"]);
-    assert_contains(
-        &refused.err,
-        &["\"p_ch\" cannot be compared", "instants_of under [rows]"],
-    );
-    refused.ended_with(2);
+    let compare = ["compare", "--log", "two-rate.mf4", "--json", "two.json"];
+    bench.run(&compare).ended_with(1);
+    let compared: Comparison = serde_json::from_str(&bench.read("two.json")).unwrap();
+    let [p_ch] = &compared.signals[..] else {
+        panic!("{:?}", compared.signals);
+    };
+    assert_eq!((p_ch.compared, p_ch.missing), (10 * slow.len(), 0));
     bench.file(
         "at.toml",
         "schema = 1\nrows = { instants_of = \"duty_fill\" }\n",

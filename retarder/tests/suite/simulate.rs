@@ -65,11 +65,9 @@ fn log_of_a_logger_with_its_own_clock() -> String {
             },
         };
         let [fill, vent, p_ch, i_fill, i_vent, ..] = model.row(ReplayInput {
-            time_ns,
             issued_ns: sample * plant.ecu.sample_time_ns(),
             command: Some(command),
-            supply_voltage_v: None,
-            supply_pressure: None,
+            ..ReplayInput::at(time_ns)
         });
         let noise = ((row * 7919) % 1009) as f64 / 1009.0 - 0.5;
         log += &format!(

@@ -7,7 +7,7 @@ use plant_sim::replay::{Replay, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
 use super::{Log, Run};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, shown_log_ns};
 
 /// Number of PWM periods after a command took effect until its effect has shown.
 const SHOWS_PERIODS: f64 = 2.0;
@@ -47,6 +47,18 @@ impl Log {
         self.issued_ns = issued_ns;
     }
 
+    /// Returns the instants of the rows that show the commands of the first `rows` (ns, clock of the logger), and the instants at which
+    /// these were given (ns, ECU time).
+    pub(super) fn shown_and_issued_ns(&self, rows: usize) -> Vec<(u64, u64)> {
+        let issued = self.issued_ns.iter().take(rows).enumerate();
+        let mut pairs: Vec<_> = issued
+            .map(|(row, &issued)| (self.shown_ns(row), issued))
+            .collect();
+        // The first of several rows was assigned.
+        pairs.dedup_by_key(|&mut (shown_ns, _)| shown_ns);
+        pairs
+    }
+
     /// Sets the instants (ns, ECU time), row after row, at which the commands were given.
     pub(crate) fn set_issued_ns(&mut self, issued_ns: Vec<u64>) {
         self.issued_ns = issued_ns;
@@ -56,8 +68,8 @@ impl Log {
     /// the ECU lie between two rows, it is the one that explains the next rows best with the model.
     pub(super) fn issued_by(&self, clock: LoggerClock, parameters: &PlantParameters) -> Vec<u64> {
         let sample_time_ns = parameters.ecu.sample_time_ns();
-        let interval_ns = (self.interval_s * 1e9) as u64;
-        let sample = |row| clock.ecu_sample(self.log_ns(row), interval_ns, sample_time_ns);
+        let interval_ns = (self.command_interval_s * 1e9) as u64;
+        let sample = |row| clock.ecu_sample(self.shown_ns(row), interval_ns, sample_time_ns);
         let mut issued_ns: Vec<u64> = (0..self.inputs.len())
             .map(|row| sample_time_ns * sample(row))
             .collect();
@@ -110,7 +122,22 @@ impl Log {
         let shows_s =
             parameters.ecu.command_delay_s + SHOWS_PERIODS / parameters.ecu.pwm_frequency_hz;
         let rows = (shows_s / self.interval_s).ceil() as usize + 1;
-        (row + rows).min(self.inputs.len())
+        (self.shown_row(row) + rows).min(self.inputs.len())
+    }
+
+    /// Returns the time of the row that shows the command of `row` (ns), since the first row, by the clock of the logger.
+    fn shown_ns(&self, row: usize) -> u64 {
+        shown_log_ns(&self.inputs[row], self.log_ns(row))
+    }
+
+    /// Returns the row that shows the command of `row`: itself, or a later one where the commands have a lower rate.
+    fn shown_row(&self, row: usize) -> usize {
+        let shown_ns = self.inputs[row].shown_ns;
+        let later = self.inputs[row..].iter();
+        row + later
+            .skip(1)
+            .take_while(|input| input.time_ns <= shown_ns)
+            .count()
     }
 
     /// Returns the sum of squared residuals in `rows` from the state of `replay` on, if their commands were given at `issued_ns`.
@@ -145,10 +172,11 @@ impl Log {
         let mut replay = self.begin(parameters, &conditions, Tolerance::default());
         for row in 0..self.inputs.len() {
             let possible = |row| self.possible_samples(row, clock, sample_time_ns);
-            let follows = (changes == Changes::Two && row + 1 < self.inputs.len())
-                .then(|| possible(row + 1))
+            let after = self.shown_row(row) + 1;
+            let follows = (changes == Changes::Two && after < self.inputs.len())
+                .then(|| possible(after))
                 .flatten();
-            let next = row + usize::from(follows.is_some());
+            let next = if follows.is_some() { after } else { row };
             let pairs: Vec<[u64; 2]> = match (possible(row), follows) {
                 (None, _) => Vec::new(),
                 (Some(first), None) => first.map(|sample| [sample; 2]).collect(),
@@ -183,8 +211,8 @@ impl Log {
         }
     }
 
-    /// Returns the samples of the ECU at which the command of `row` may have been given first: those since the row before, with a small
-    /// margin because the clock may be slightly wrong. None where the command does not change, and in a gap.
+    /// Returns the samples of the ECU at which the command of `row` may have been given first: those since the row before, which showed
+    /// another command, with a small margin because the clock may be slightly wrong. None where the command does not change, and in a gap.
     fn possible_samples(
         &self,
         row: usize,
@@ -198,7 +226,7 @@ impl Log {
         }
         let slack_ns = (EDGE * sample_time_ns as f64) as u64;
         let before_ns = clock.ecu_time_ns(self.log_ns(before));
-        let until_ns = clock.ecu_time_ns(self.log_ns(row)) + slack_ns;
+        let until_ns = clock.ecu_time_ns(self.shown_ns(row)) + slack_ns;
         let first = before_ns.saturating_sub(slack_ns) / sample_time_ns + 1;
         let last = until_ns / sample_time_ns;
         (last.saturating_sub(first) <= SAMPLES_MAX).then_some(first..=last)
@@ -227,9 +255,9 @@ impl Log {
             command.is_some() && command != self.inputs[row - 1].command
         });
         let shifts = rows.map(|row| {
-            let ecu_s = |row| clock.ecu_time_ns(self.log_ns(row)) as f64 * 1e-9;
+            let ecu_s = |log_ns| clock.ecu_time_ns(log_ns) as f64 * 1e-9;
             let issued_s = self.issued_ns[row] as f64 * 1e-9;
-            issued_s - ecu_s(row)..issued_s - ecu_s(row - 1)
+            issued_s - ecu_s(self.shown_ns(row))..issued_s - ecu_s(self.log_ns(row - 1))
         });
         shifts.collect()
     }

@@ -2,7 +2,8 @@
 //!
 //! The simulation stops at each row, so that a log of 5 kHz takes five times as long as one of 1 kHz, while the plant is equally slow in
 //! both. Neighbouring rows are kept in pairs, since a current may be a mean over the time since the row before. The place of the pairs
-//! changes from one to the next, so that rows at a multiple of the PWM frequency still cover every part of its period.
+//! changes from one to the next, so that rows at a multiple of the PWM frequency still cover every part of its period. Of a log with several
+//! rates, every sample of a slower signal is kept.
 
 use std::sync::Arc;
 
@@ -52,7 +53,8 @@ impl Log {
     fn at_rows(mut self, rows: &[usize], parameters: &PlantParameters) -> Self {
         let is_mean = self.is_sampling_open() || self.sampling == CurrentSampling::MeanOfInterval;
         for channel in &mut self.channels {
-            let needs_row_before = is_mean && is_current(channel.signal);
+            // A slow current has all of its own rows.
+            let needs_row_before = is_mean && is_current(channel.signal) && !channel.has_own_rate;
             let value = |(place, &row): (usize, &usize)| {
                 let has_row_before = row == 0 || rows[place - 1] == row - 1;
                 match has_row_before || !needs_row_before {
@@ -106,6 +108,11 @@ impl Log {
         for row in 1..count {
             if self.changes_command(row) {
                 is_needed[row - 1..=row].fill(true);
+            }
+        }
+        for channel in self.channels.iter().filter(|one| one.has_own_rate) {
+            for (is_needed, value) in is_needed.iter_mut().zip(channel.values.iter()) {
+                *is_needed |= !value.is_nan();
             }
         }
         for gap in self.commands.gaps.iter() {

@@ -34,7 +34,7 @@ pub(super) struct ToldClock {
     pub(super) drift_slack_ppm: f64,
 }
 
-/// Change of a command, between two rows.
+/// Change of a command, between two rows that show commands.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     /// Instants of the two rows since the first one of the log (s).
@@ -137,7 +137,7 @@ fn changes(inputs: &[ReplayInput], closest_s: f64) -> Vec<Change> {
     });
     let change = |pair: &[ReplayInput]| Change {
         before_s: pair[0].time_ns as f64 * 1e-9,
-        at_s: pair[1].time_ns as f64 * 1e-9,
+        at_s: pair[1].shown_ns as f64 * 1e-9,
     };
     pairs
         .map(change)
@@ -191,14 +191,11 @@ mod tests {
             // Changes every 7 to 9 samples.
             let duty_fill_pct = (sample / 8 + sample / 71) as f64 % 2.0 * 50.0;
             ReplayInput {
-                time_ns,
-                issued_ns: time_ns,
                 command: Some(Command {
                     duty_fill_pct,
                     duty_vent_pct: 0.0,
                 }),
-                supply_voltage_v: None,
-                supply_pressure: None,
+                ..ReplayInput::at(time_ns)
             }
         };
         instants_s.map(row).collect()

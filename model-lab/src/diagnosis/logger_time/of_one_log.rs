@@ -109,7 +109,7 @@ fn find_clock_by(
         return None;
     }
     let tries = Tries::on(plant, log);
-    let (delay_s, interval_s) = (plant.ecu.command_delay_s, log.interval_s);
+    let (delay_s, interval_s) = (plant.ecu.command_delay_s, log.command_interval_s);
     // A plant file that states the tolerance of the delay was fitted, and its delay as well.
     let delay = match plant.knowledge.contains_key(COMMAND_DELAY) {
         true => Delay::AsGiven,

@@ -60,7 +60,7 @@ impl Admitted {
 
 /// Returns the range of clocks that the commands of `log` admit according to `told`, around `clock`, which is one of them.
 pub(super) fn known_clock(told: &[ToldClock], clock: LoggerClock, log: &Log) -> KnownClock {
-    let (interval_s, sample_time_s) = (log.interval_s, log.sample_time_s);
+    let (interval_s, sample_time_s) = (log.command_interval_s, log.sample_time_s);
     let ends_s = ends_s(log.inputs(), sample_time_s);
     let of_told = |told| Admitted::of(told, clock, (log.middle_s(), ends_s), sample_time_s);
     let admitted: Vec<Admitted> = told.iter().map(of_told).collect();

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::details::residual_of;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 
@@ -22,10 +23,8 @@ impl Selection {
     /// Returns the samples of `signal/dimension/label`, with the names of the comparison.
     pub(super) fn of(compared: &Compared, select: &str) -> Result<Self, Refusal> {
         let (label, is_in) = picked(compared, select)?;
-        let run = &compared.comparison.traces.free_run;
-        let Some((_, base)) = run.time_bases().next() else {
-            return Err(Refusal::not_found("time base"));
-        };
+        let signal = select.split('/').next().unwrap_or_default();
+        let (base, _) = residual_of(compared, signal)?;
         let times_s = base.times_s();
         // A sample stands for the interval that ends with it.
         let mut pieces_s: Vec<(f64, f64)> = Vec::new();
