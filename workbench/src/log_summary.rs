@@ -1,6 +1,6 @@
 //! Summary of a log, computed when it is read.
 
-use recording::{Recording, Unit};
+use recording::{Recording, Signal, TimeBase, Unit};
 use serde::Serialize;
 
 use crate::shown_unit::unit_of_errors;
@@ -40,6 +40,8 @@ struct SignalView {
     /// `gauge` or `absolute` for a pressure, otherwise `None`.
     reference: Option<&'static str>,
     missing: usize,
+    /// Median time between its samples (s), if it has another rate than the log.
+    own_interval_s: Option<f64>,
     lowest: Option<f64>,
     highest: Option<f64>,
 }
@@ -48,7 +50,7 @@ impl LogSummary {
     pub(crate) fn of(log: &Recording) -> Self {
         let bases = || log.time_bases().map(|(_, base)| base);
         let longest = bases().max_by_key(|base| base.len());
-        let sampling = longest.map(recording::TimeBase::sampling);
+        let sampling = longest.map(TimeBase::sampling);
         let start_s = bases()
             .map(|base| base.start_s())
             .fold(f64::INFINITY, f64::min);
@@ -57,7 +59,7 @@ impl LogSummary {
             .fold(f64::NEG_INFINITY, f64::max);
         let provenance = log.provenance();
         Self {
-            samples: longest.map_or(0, recording::TimeBase::len),
+            samples: longest.map_or(0, TimeBase::len),
             duration_s: (end_s - start_s).max(0.0),
             start: provenance.start.map(|start| start.to_string()),
             sample_interval_s: sampling
@@ -66,7 +68,11 @@ impl LogSummary {
             gaps: sampling.as_ref().map_or(0, |sampling| sampling.gaps.len()),
             is_uneven: sampling.is_some_and(|sampling| sampling.uneven),
             sha256: provenance.input.map(|input| input.sha256_hex()),
-            signals: log.signals().iter().map(signal_view).collect(),
+            signals: log
+                .signals()
+                .iter()
+                .map(|signal| signal_view(log, signal, longest))
+                .collect(),
             left_out: log
                 .left_out()
                 .iter()
@@ -79,8 +85,9 @@ impl LogSummary {
     }
 }
 
-fn signal_view(signal: &recording::Signal) -> SignalView {
+fn signal_view(log: &Recording, signal: &Signal, longest: Option<&TimeBase>) -> SignalView {
     let present = || signal.iter().flatten();
+    let own = own_base(log, signal).filter(|own| Some(own) != longest);
     SignalView {
         name: signal.name().to_owned(),
         unit: signal.unit().symbol().to_owned(),
@@ -88,9 +95,22 @@ fn signal_view(signal: &recording::Signal) -> SignalView {
         error_unit: unit_of_errors(signal),
         quantity: signal.quantity().to_string(),
         reference: reference(signal.unit()),
-        missing: signal.missing_count(),
+        missing: match signal.own_rows() {
+            Some(_) => 0,
+            None => signal.missing_count(),
+        },
+        own_interval_s: own.and_then(|own| own.sampling().median_step_s),
         lowest: present().reduce(f64::min),
         highest: present().reduce(f64::max),
+    }
+}
+
+/// Returns the instants at which `signal` was sampled.
+fn own_base(log: &Recording, signal: &Signal) -> Option<TimeBase> {
+    let base = log.time_base(signal.time_base())?;
+    match signal.own_rows() {
+        None => Some(base.clone()),
+        Some(rows) => TimeBase::new(rows.iter().map(|&row| base.times_s()[row]).collect()).ok(),
     }
 }
 

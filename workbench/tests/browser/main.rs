@@ -10,5 +10,6 @@ mod figures;
 mod hostile;
 mod long_log;
 mod newcomer;
+mod rates;
 mod refine;
 mod tabs;

@@ -1,5 +1,6 @@
 //! Statistics of one time series: histogram and power spectral density.
 
+use recording::{TimeBase, own_rows};
 use serde::{Deserialize, Serialize};
 
 use super::details::{residual_of, unit_of_errors};
@@ -131,15 +132,26 @@ impl Trace {
         let noise = signals
             .filter(|one| one.name == request.signal && request.of != Side::Modelled)
             .find_map(|one| one.noise_floor.value);
-        let values = within.clone().map(|index| values.value(index));
+        let shown = within.clone().map(|index| values.value(index));
+        let shown: Vec<f64> = shown
+            .map(|value| converter.map_or(value, |converter| converter.apply(value)))
+            .collect();
+        let times_s = &base.times_s()[within];
+        // A signal of a lower rate than its rows has no gaps between its samples.
+        let (times_s, values) = match own_rows(&shown) {
+            None => (times_s.to_vec(), shown),
+            Some(rows) => {
+                let of_rows = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
+                (of_rows(times_s), of_rows(&shown))
+            }
+        };
+        let own = TimeBase::new(times_s.clone()).ok();
         Ok(Self {
             unit,
             noise,
-            times_s: base.times_s()[within].to_vec(),
-            values: values
-                .map(|value| converter.map_or(value, |converter| converter.apply(value)))
-                .collect(),
-            step_s: base.sampling().median_step_s,
+            step_s: own.and_then(|own| own.sampling().median_step_s),
+            times_s,
+            values,
         })
     }
 }

@@ -143,6 +143,7 @@ class Page {
       element("p", { class: "facts" }, facts.filter(Boolean).join(" · ")),
       element("ul", { class: "signals" }, summary.signals.map((signal) => element("li", { class: "chip", title: `${signal.quantity}; ${number(signal.lowest)} to ${number(signal.highest)} ${signal.unit}` },
         element("b", {}, signal.name), ` ${signal.unit}`,
+        signal.own_interval_s && element("span", { class: "quiet" }, ` every ${duration(signal.own_interval_s)}`),
         signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))),
       summary.left_out.length > 0 && element("details", {}, element("summary", {}, `${summary.left_out.length} left out`),
         element("ul", { class: "plain" }, summary.left_out.map((one) => element("li", {}, element("b", {}, one.name), ` ${one.reason}`)))));
