@@ -21,6 +21,9 @@ use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
 
+/// Share of the decrease of the squared error by an effect from which on a better fit of the plain plant accounts for it.
+const MOST: f64 = 0.5;
+
 /// Finds what `plain`, the refitted plant, lacks.
 pub(crate) fn find(
     split: &mut Split,
@@ -64,6 +67,11 @@ fn climb_from(
     mut plain: Trial,
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
+    if plain.is_material()
+        && let Some(again) = split.find_fitted_clocks(plant, &plain)?
+    {
+        plain = again;
+    }
     let mut singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
@@ -77,6 +85,9 @@ fn climb_from(
             plain = (bench.judged_anew(&plain)).ok_or_else(|| split.not_simulated())?;
             judge_anew(&bench, &mut singles);
         }
+    }
+    if let Some(other) = from_place_of_best(split, plant, library, (&plain, &singles), watch)? {
+        (plain, singles) = other;
     }
     // A choice that leaves less may be the wrong one again, from which the right one is found.
     while leaves_currents(&plain, &singles)
@@ -94,6 +105,32 @@ fn climb_from(
         Some(singles) => selection::climb(&bench, plain.clone(), singles, watch),
         None => Ok(found),
     }
+}
+
+/// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that
+/// effect does: the first fit of the plain plant had ended beside the best one, and the effect would get the credit for the difference.
+fn from_place_of_best(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, singles): (&Trial, &[Tried]),
+    watch: Watch,
+) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
+    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+    let Some(best) = best.filter(|_| plain.is_material()) else {
+        return Ok(None);
+    };
+    let before = split.conditions();
+    split.take_conditions(best);
+    let again = split.plain_from(plant, &best.plant())?;
+    let gained = plain.total_square() - best.total_square();
+    let is_most = plain.total_square() - again.total_square() >= MOST * gained;
+    if gained <= 0.0 || !is_most {
+        split.replace_conditions(&before);
+        return Ok(None);
+    }
+    let singles = selection::singles(&split.bench(plant, library), &again, watch)?;
+    Ok(Some((again, singles)))
 }
 
 /// Whether neither `plain` nor an effect alone explains the currents.

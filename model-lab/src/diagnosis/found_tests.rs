@@ -8,8 +8,9 @@ use recording::Recording;
 
 use super::assemble::{self, Answer};
 use super::result::{Diagnosis, OutsideValue, StepKind, Verdict};
+use super::split::Split;
 use super::{diagnose, diagnose_with, fix};
-use crate::bench::{Bench, logged};
+use crate::bench::{Bench, logged, logged_through};
 
 /// Returns a bench whose plant was changed.
 fn bench(change: impl FnOnce(&mut PlantParameters)) -> Bench {
@@ -208,4 +209,29 @@ fn what_explains_as_much_as_a_wrong_value_is_told() {
         "{alone}; or the file is right and series restriction is missing, which explains the error as well"
     );
     assert_eq!(rival, either);
+}
+
+/// Defect seen: the drift of one of two slow logs was found 45 ppm off, commands were assigned to the wrong samples accordingly, and a
+/// sensor hysteresis was named that explained part of the rest. The other log shows the drift of the common logger.
+#[test]
+fn the_drift_of_the_validation_log_frees_a_clock_that_is_stuck() {
+    let plant = PlantParameters::nominal();
+    let clock = LoggerClock {
+        phase_s: 4e-3,
+        drift_ppm: -144.0,
+    };
+    let phases = Bench::default().phases.repeat(2);
+    let log = |seed| logged_through(&plant, (clock, 10e-3), seed, &phases);
+    let (mut split, _) = Split::that_shows(&plant, &[log(1)], &[log(2)]).unwrap();
+    let stuck = LoggerClock::with_phase_at(0.0, 4e-3, clock.drift_ppm - 100.0);
+    split.checking.logs[0].set_clock(clock.later(0.01), &plant);
+    split.fitting.logs[0].set_clock(stuck.later(0.01), &plant);
+    let plain = split.plain_from(&plant, &plant).unwrap();
+    assert!(plain.is_material(), "{:?}", plain.fitted);
+    let again = split.find_fitted_clocks(&plant, &plain).unwrap().unwrap();
+    assert!(!again.is_material(), "{:?}", again.fitted);
+    let drift_ppm = again.fitted_drifts_ppm(&split.fitting)[0];
+    assert!((drift_ppm - clock.drift_ppm).abs() < 5.0, "{drift_ppm}");
+    // There is nothing more to find.
+    assert!(split.find_fitted_clocks(&plant, &again).unwrap().is_none());
 }

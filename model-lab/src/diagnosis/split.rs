@@ -17,10 +17,14 @@ use super::logger_time::{
 };
 use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
+use super::verdict::CLEARLY_LESS;
+use crate::conditions::Conditions;
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Number of blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
+/// Shift of the end of a log (s) from which on the drift of another log is tried.
+const OTHER_DRIFT_S: f64 = 0.3e-3;
 
 /// Logs, split into training and validation data.
 pub(super) struct Split {
@@ -124,6 +128,17 @@ impl Split {
         self.checking.replace_conditions(&last.checked_conditions);
     }
 
+    /// Returns the conditions of the logs for training and of those for validation.
+    pub(super) fn conditions(&self) -> [Vec<Conditions>; 2] {
+        [&self.fitting, &self.checking].map(Evidence::conditions)
+    }
+
+    /// Sets the conditions of the logs to those of [`Self::conditions`]; the assignment of the commands is unchanged.
+    pub(super) fn replace_conditions(&mut self, [fitting, checking]: &[Vec<Conditions>; 2]) {
+        self.fitting.replace_conditions(fitting);
+        self.checking.replace_conditions(checking);
+    }
+
     /// Swaps the blocks: trains with those for validation, and validates with those for training.
     fn with_other_blocks(self) -> Self {
         Self {
@@ -165,6 +180,38 @@ impl Split {
         }
         self.checking.logs = before;
         Ok(false)
+    }
+
+    /// Searches the clocks of the training logs with the drifts of the validation logs, which may be of the same logger, and fits the plain
+    /// plant again. Returns it where it then explains clearly more than `plain`; otherwise the logs are unchanged.
+    pub(super) fn find_fitted_clocks(
+        &mut self,
+        plant: &PlantParameters,
+        plain: &Trial,
+    ) -> Result<Option<Trial>, DiagnoseError> {
+        let drift_ppm = |conditions: &Conditions| conditions.clock.map(|clock| clock.drift_ppm);
+        let checked_ppm = plain.checked_conditions.iter().filter_map(drift_ppm);
+        let fitted_ppm = plain.fitted_drifts_ppm(&self.fitting);
+        let is_new = |drift_ppm: &f64| {
+            let moves_end =
+                |there: &f64| 1e-6 * (drift_ppm - there).abs() * self.fitting.duration_s();
+            fitted_ppm
+                .iter()
+                .all(|there| moves_end(there) > OTHER_DRIFT_S)
+        };
+        let drifts_ppm: Vec<f64> = checked_ppm.filter(is_new).collect();
+        let is_open = self.fitting.logs.iter().any(Log::is_clock_open);
+        if drifts_ppm.is_empty() || !is_open || self.checking.is_rest_of_fitted {
+            return Ok(None);
+        }
+        let before = self.fitting.logs.clone();
+        find_conditions(&plain.plant(), &mut self.fitting, &drifts_ppm);
+        let again = self.plain_from(plant, &plain.plant())?;
+        if again.total_square() < CLEARLY_LESS * plain.total_square() {
+            return Ok(Some(again));
+        }
+        self.fitting.logs = before;
+        Ok(None)
     }
 
     /// Returns whether the fit of `best` is nearer to the validation logs, under their present conditions, than before.
@@ -228,7 +275,7 @@ impl Split {
             return Ok(None);
         }
         self.checking.take_other_sampling();
-        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
+        let before = self.conditions();
         self.take_conditions(fitted);
         let there = self.bench(plant, &[]).at_the_place_of(fitted);
         let there = there.ok_or_else(|| self.not_simulated())?;
@@ -236,8 +283,7 @@ impl Split {
         if attempted.is_none() {
             self.fitting.take_other_sampling();
             self.checking.take_other_sampling();
-            self.fitting.replace_conditions(&before[0]);
-            self.checking.replace_conditions(&before[1]);
+            self.replace_conditions(&before);
         }
         Ok(attempted)
     }
@@ -251,7 +297,7 @@ impl Split {
             return None;
         }
         let mut plant = best.plant();
-        let before = [&self.fitting, &self.checking].map(Evidence::conditions);
+        let before = self.conditions();
         self.take_conditions(best);
         let reach_s = 0.5 * plant.ecu.sample_time_s;
         let there_s = plant.ecu.command_delay_s;
@@ -259,8 +305,7 @@ impl Split {
         let fitting = &mut self.fitting;
         let delay_s = find_slow_clocks(&plant, fitting, delays_s, Search::Together);
         let Some(delay_s) = delay_s else {
-            self.fitting.replace_conditions(&before[0]);
-            self.checking.replace_conditions(&before[1]);
+            self.replace_conditions(&before);
             return None;
         };
         if !self.checking.is_rest_of_fitted {
