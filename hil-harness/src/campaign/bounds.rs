@@ -4,7 +4,7 @@
 //! An ECU may meet a limit slightly earlier or later because of its rounding. Such a limit is widened by the amount
 //! given beside it, so that a fault that the oracle calls present is present for any ECU that follows the table.
 
-/// N of an implausible pressure (samples); the five kinds of doubt share one count.
+/// N of an implausible pressure (samples); the six sensor faults with the reaction `Hold` share one count.
 pub const DOUBT_N: u32 = 5;
 /// N of a lost reference (samples).
 pub const REFERENCE_N: u32 = 5;
