@@ -3,7 +3,7 @@ use core::ops::ControlFlow;
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
-use recording::{Recording, TimeBase, Unit};
+use recording::{Recording, Unit};
 
 use super::assemble::regimes;
 use super::fit::{Descent, Difference, Fitter};
