@@ -48,7 +48,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
             (Some(reset_reason), _) => reset_reason.cause(),
             // Only a loss of supply destroys the words.
             (None, ResetCause::Unknown) if !start.warm => ResetCause::PowerOn,
-            (None, told) => told,
+            (None, of_board) => of_board,
         };
         board.log(Event::Started {
             boot: start.boot,

@@ -86,7 +86,7 @@ fn assert_contains(parameter: &FittedParameter, truth: f64) {
 }
 
 #[test]
-fn rig_0_lacks_nothing_and_tells_what_it_would_have_shown() {
+fn rig_0_lacks_nothing_and_lists_its_detection_limits() {
     let diagnosis = diagnosed(0);
     assert_eq!(
         diagnosis.verdict,

@@ -41,7 +41,7 @@ fn a_cold_start_says_that_the_supply_came_and_that_nothing_was_saved() {
 
 /// The handlers of panic, fault and watchdog store their reason and reset the machine.
 #[test]
-fn the_next_life_tells_why_the_last_one_ended() {
+fn the_next_life_reports_why_the_last_one_ended() {
     for (reset_reason, cause) in [
         (ResetReason::Panic { line: 42 }, ResetCause::Panic),
         (ResetReason::Exception { pc: 0x1234 }, ResetCause::Exception),

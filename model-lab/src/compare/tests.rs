@@ -39,23 +39,23 @@ fn bin<'a>(signal: &'a SignalComparison, dimension: &str, label: &str) -> &'a Re
 }
 
 #[test]
-fn whoever_watches_is_told_every_share_in_order_and_can_end_it() {
+fn whoever_watches_gets_every_share_in_order_and_can_end_it() {
     let bench = Bench::default();
     let log = bench.measure();
-    let told = RefCell::new(Vec::new());
+    let shares = RefCell::new(Vec::new());
     let run = |last: f64| {
-        told.borrow_mut().clear();
+        shares.borrow_mut().clear();
         let goes_on = |share| {
-            told.borrow_mut().push(share);
+            shares.borrow_mut().push(share);
             share < last
         };
         compare_watched(&bench.plant, &log, &CompareOptions::default(), &goes_on)
     };
     assert_eq!(run(2.0).unwrap(), against(&bench.plant, &log));
-    assert!(told.borrow().is_sorted() && told.borrow().len() > 10);
-    assert!(*told.borrow().last().unwrap() > 0.95);
+    assert!(shares.borrow().is_sorted() && shares.borrow().len() > 10);
+    assert!(*shares.borrow().last().unwrap() > 0.95);
     assert_eq!(run(0.4).unwrap_err(), CompareError::Stopped);
-    assert!(*told.borrow().last().unwrap() < 0.5);
+    assert!(*shares.borrow().last().unwrap() < 0.5);
 }
 
 fn against(plant: &PlantParameters, log: &Recording) -> Comparison {

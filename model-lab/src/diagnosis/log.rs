@@ -150,8 +150,8 @@ impl Log {
             LogStart::at(parameters, pressure, level, first_command).supplied(supply_pressure);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
-            let told = noise.of(signal.name, &signal.floor, signal.interval_s);
-            told.unwrap_or_else(|| scatter_or_resolution(signal))
+            let known = noise.of(signal.name, &signal.floor, signal.interval_s);
+            known.unwrap_or_else(|| scatter_or_resolution(signal))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
         let (weighed, still): (Vec<_>, Vec<_>) = measured
@@ -265,7 +265,7 @@ impl Log {
     pub(crate) fn found(&self) -> LogConditions {
         LogConditions {
             conditions: self.conditions,
-            clock_source: match self.is_clock_told() {
+            clock_source: match self.is_clock_from_commands() {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
@@ -306,14 +306,14 @@ impl Log {
     }
 
     /// Returns whether the commands determine the clock without the model.
-    pub(crate) fn is_clock_told(&self) -> bool {
+    pub(crate) fn is_clock_from_commands(&self) -> bool {
         matches!(self.known_clock, KnownClock::Ends(_))
     }
 
     /// Returns whether only a model can determine the clock of the logger: the log has commanded coils, and the commands do not determine
     /// it.
     pub(crate) fn is_clock_open(&self) -> bool {
-        self.has_coil && !self.is_clock_told() && self.duration_s() > self.interval_s
+        self.has_coil && !self.is_clock_from_commands() && self.duration_s() > self.interval_s
     }
 
     /// Returns whether it begins with a filled chamber, whose gas may still be warm.

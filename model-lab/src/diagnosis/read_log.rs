@@ -72,8 +72,8 @@ impl Read {
         })
     }
 
-    /// Reports the noise of the sensors in this log to `noise`.
-    pub(super) fn tell(&self, noise: &mut SensorNoise) {
-        noise.hear(&self.measured);
+    /// Adds the noise of the sensors in this log to `noise`.
+    pub(super) fn add_noise_to(&self, noise: &mut SensorNoise) {
+        noise.add(&self.measured);
     }
 }

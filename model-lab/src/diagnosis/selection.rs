@@ -136,8 +136,8 @@ impl Selection {
         self.steps.last().expect("the plain plant is there")
     }
 
-    /// The same, told that its ranges are wider than those of `within`, the plant within what its file admits, where `rival` with its
-    /// effect explains the error as well.
+    /// Returns the same search for ranges wider than those of `within`, the plant within the tolerances of its file. `rival` has an
+    /// effect that explains the error as well.
     pub(crate) fn beyond(mut self, within: Trial, rival: Option<Trial>) -> Self {
         (self.within, self.rival) = (Some(within), rival);
         self
@@ -152,7 +152,7 @@ impl Selection {
         }
     }
 
-    /// The same, told that `wide`, the plant with wider ranges, explains the error as well.
+    /// Returns the same search with `wide`, the plant with wider ranges, which explains the error as well.
     pub(crate) fn or(mut self, wide: Trial) -> Self {
         self.alternative = Some(wide);
         self
@@ -479,7 +479,7 @@ impl Trial {
         self.share_of(plain) >= FOUND_SHARE || !self.is_material()
     }
 
-    /// Whether the logs tell how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
+    /// Whether the logs determine how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
     fn is_credible(&self, bench: &Bench, plain: &Self) -> bool {
         let is_sound = self.is_sound(bench, plain);
         let explains_most = || self.share_of(plain) >= FOUND_SHARE;

@@ -146,7 +146,7 @@ fn a_thermometer_is_weighed_where_the_gas_has_a_temperature() {
 
 /// With the effect `gas_temperature`, a warm log begins with warm gas, and the thermometer determines its temperature.
 #[test]
-fn the_thermometer_tells_how_warm_the_gas_begins() {
+fn the_thermometer_shows_how_warm_the_gas_begins() {
     let warm = vessel().with_effect(gas_temperature(0.5));
     let log = after_filling(&warm, 323.15);
     let mut evidence = gather(&warm, [&log]).unwrap();

@@ -204,7 +204,7 @@ fn parameters_that_stay_open_get_an_experiment() {
 
 /// A wrong value has its own exit status: no effect is missing, and yet the model is outside its tolerance.
 #[test]
-fn a_wrong_value_of_the_plant_file_is_told_with_its_own_status() {
+fn a_wrong_value_of_the_plant_file_is_reported_with_its_own_status() {
     let bench = Bench::new();
     bench.file(
         "bench.csv",

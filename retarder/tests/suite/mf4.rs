@@ -145,7 +145,7 @@ fn a_signal_that_needs_a_mapping_is_an_error_where_it_matters() {
 }
 
 #[test]
-fn a_damaged_file_and_a_wrong_name_are_told() {
+fn a_damaged_file_and_a_wrong_name_are_reported() {
     let bench = bench();
     let bytes = std::fs::read(bench.path("log.mf4")).unwrap();
     std::fs::write(bench.path("cut.mf4"), &bytes[..bytes.len() - 100]).unwrap();

@@ -1,7 +1,7 @@
 // Stacked plots on one time axis; tools, keys, wheel and pointer change the visible range.
 
 import { axis, clear, draw, label, layout, plotly } from "./chart.js";
-import { button, element, tellProblems } from "./dom.js";
+import { button, element, showProblems } from "./dom.js";
 import { colour } from "./theme.js";
 import * as view from "./view.js";
 
@@ -77,7 +77,7 @@ export class TimeView {
     view.set({ from, to });
     this.showRange();
     clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST);
+    this.waiting = setTimeout(() => this.refresh().catch((error) => showProblems(error, "View")), REST);
   }
 
   /** Moves the axes immediately, with the points that are loaded. */

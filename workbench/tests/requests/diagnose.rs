@@ -154,7 +154,7 @@ fn a_diagnosis_goes_with_its_project(
 }
 
 #[test]
-fn the_library_is_told_with_equations_bounds_and_units() {
+fn the_library_is_listed_with_equations_bounds_and_units() {
     let bench = Bench::start();
     let browser = bench.browser();
     let effects = browser.get("/api/effects").json();
@@ -234,15 +234,15 @@ fn a_diagnosis_ends_with_whoever_listens() {
     let job = begun.json()["job"].as_u64().unwrap();
     drop(browser.follow(&session, job));
     // A later request for the job gets its end.
-    let told = browser.get(&format!("{session}/jobs/{job}")).text();
+    let events = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(
-        told.lines()
+        events.lines()
             .rfind(|line| line.starts_with("data: "))
             .unwrap()
             .trim_start_matches("data: "),
     )
     .unwrap();
-    assert_eq!(last["state"], "cancelled", "{told}");
+    assert_eq!(last["state"], "cancelled", "{events}");
     let found = browser.get(&format!("{session}/diagnosis")).json();
     assert_eq!(found, Value::Null);
 }

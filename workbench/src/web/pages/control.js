@@ -1,7 +1,7 @@
 // Page "Control": closed loop on the plant, its requirements, and its robustness (Monte Carlo).
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { BatchCard } from "./control/batch.js";
 import { RunPlots } from "./control/charts.js";
 import { controllerForm } from "./control/controller.js";
@@ -75,7 +75,7 @@ class Page {
     try {
       this.wish = await act();
     } catch (refusal) {
-      if (what) tellProblems(refusal, what);
+      if (what) showProblems(refusal, what);
       throw refusal;
     }
     this.showWish();
@@ -105,7 +105,7 @@ class Page {
     } catch (refusal) {
       if (this.ending.signal.aborted) return;
       fill(this.verdict, element("span", { class: "chip open" }, "not run"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Closed loop");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Closed loop");
       document.body.dataset.ready = "failed";
     }
   }

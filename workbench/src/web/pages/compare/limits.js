@@ -1,7 +1,7 @@
 // Acceptance limits of a signal: a multiple of its noise, an rms error, and a band for its samples.
 
 import * as api from "../../api.js";
-import { button, element, tellProblems } from "../../dom.js";
+import { button, element, showProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
 /** Fields of a band: heading, key, and factor from the field's unit to the project's. */
@@ -22,7 +22,7 @@ export function limitsMenu(log, strictness) {
       await api.put("/strictness", wished);
       view.go("compare", Object.fromEntries(KEPT.map((key) => [key, view.texts(key)])));
     } catch (refusal) {
-      tellProblems(refusal, "Limits");
+      showProblems(refusal, "Limits");
     }
   };
   const head = (cells) => element("tr", {}, cells.map((cell) => element("th", { scope: "col" }, cell)));

@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, layout } from "../../chart.js";
-import { button, element, fill, tellProblems } from "../../dom.js";
+import { button, element, fill, showProblems } from "../../dom.js";
 import { count, percent } from "../../format.js";
 import { colour } from "../../theme.js";
 import { roleOf } from "./charts.js";
@@ -52,7 +52,7 @@ export class BatchCard {
     } catch (refusal) {
       if (this.ending.aborted) return;
       fill(this.status, element("span", { class: "chip open" }, refusal.name === "AbortError" ? "stopped" : "not run"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Batch");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Batch");
     }
   }
 

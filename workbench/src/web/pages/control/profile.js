@@ -1,6 +1,6 @@
 // Reference profile as a table of steps and ramps.
 
-import { button, element, fill, tell } from "../../dom.js";
+import { button, element, fill, showMessage } from "../../dom.js";
 
 /** Largest number of changes in the table; a longer profile is edited in its file. */
 const ROWS_MAX = 60;
@@ -39,7 +39,7 @@ export function profileForm(wish, apply, open) {
   const file = element("input", { type: "file", id: "profile-file", accept: ".csv", on: { change: async () => {
     const [chosen] = file.files;
     if (!chosen) return;
-    if (chosen.size > 1 << 20) { tell(`${chosen.name}: a profile has at most 1 MiB on this page`, "problem"); return; }
+    if (chosen.size > 1 << 20) { showMessage(`${chosen.name}: a profile has at most 1 MiB on this page`, "problem"); return; }
     await open({ name: chosen.name, csv: await chosen.text() }).catch(() => {});
   } } });
   const about = wish.scenarios.find((one) => one.name === wish.scenario)?.about ?? "";

@@ -1,7 +1,7 @@
 // Next experiment: duty cycles that distinguish effects, or detect one.
 
 import * as api from "../../api.js";
-import { button, element, fill, table, tellProblems } from "../../dom.js";
+import { button, element, fill, table, showProblems } from "../../dom.js";
 import { number } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
@@ -48,7 +48,7 @@ export class Experiment {
       const next = await api.get("/next-experiment");
       if (next) this.take(next);
     } catch (refusal) {
-      tellProblems(refusal, "Next experiment");
+      showProblems(refusal, "Next experiment");
     }
   }
 
@@ -61,7 +61,7 @@ export class Experiment {
     try {
       this.take(await api.get("/next-experiment"));
     } catch (refusal) {
-      tellProblems(refusal, "Next experiment");
+      showProblems(refusal, "Next experiment");
     }
   }
 

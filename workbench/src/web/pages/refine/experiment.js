@@ -1,7 +1,7 @@
 // Experiment that determines the ordinary parameters that the logs do not determine.
 
 import * as api from "../../api.js";
-import { button, element, fill, table, tellProblems } from "../../dom.js";
+import { button, element, fill, table, showProblems } from "../../dom.js";
 import { number, unitText } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
@@ -50,7 +50,7 @@ export class Experiment {
     try {
       this.show(await api.get(PATH));
     } catch (refusal) {
-      tellProblems(refusal, "Experiment");
+      showProblems(refusal, "Experiment");
     }
   }
 

@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
-import { button, element, tellProblems } from "../../dom.js";
+import { button, element, showProblems } from "../../dom.js";
 import { number, titled } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
@@ -71,7 +71,7 @@ export class Plots {
       const line = (trace, role, width) => ({ x: trace.t, y: trace.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
       return [...(measured ? [line(measured, "measured", 2)] : []), line(panel.model, "model", 1.2)];
     });
-    await draw(this.chart, traces, wished).catch((error) => tellProblems(error, "Plot"));
+    await draw(this.chart, traces, wished).catch((error) => showProblems(error, "Plot"));
     this.watchLibrary();
   }
 
