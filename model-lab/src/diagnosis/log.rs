@@ -20,7 +20,7 @@ use crate::commands::Commands;
 use crate::conditions::{Conditions, LogConditions, StartGas, UsualGas};
 use crate::log_start::LogStart;
 use crate::measured::{
-    GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_weighed, start,
+    GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_fitted_signal, start,
 };
 use crate::metrics::picked;
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
@@ -154,17 +154,17 @@ impl Log {
             known.unwrap_or_else(|| scatter_or_resolution(signal))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
-        let (weighed, still): (Vec<_>, Vec<_>) = measured
+        let (fitted, still): (Vec<_>, Vec<_>) = measured
             .into_iter()
             .zip(sigmas)
-            .filter(|(signal, _)| is_weighed(parameters, signal.name))
+            .filter(|(signal, _)| is_fitted_signal(parameters, signal.name))
             .partition(|(_, sigma)| *sigma > 0.0);
         not_compared.extend(
             still
                 .into_iter()
                 .map(|(signal, _)| without_noise(signal.name)),
         );
-        let channels: Vec<Channel> = weighed
+        let channels: Vec<Channel> = fitted
             .into_iter()
             .map(|(signal, sigma)| {
                 let column = ROW_SIGNALS
@@ -183,7 +183,7 @@ impl Log {
             })
             .collect();
         if channels.is_empty() {
-            return Err(DiagnoseError::NothingToWeigh {
+            return Err(DiagnoseError::NothingToFit {
                 log: log.provenance().source.clone(),
             });
         }
@@ -626,7 +626,7 @@ mod tests {
     /// Defect seen: "Neither the chamber pressure nor a coil current changes" was reported for a log in which it rises by bars, in coarse
     /// steps.
     #[test]
-    fn a_coarse_pressure_that_mostly_stands_still_is_weighed_by_its_resolution() {
+    fn a_coarse_pressure_that_mostly_stands_still_is_fitted_with_its_resolution() {
         let bench = Bench {
             phases: [
                 (0.4, 0.0, 0.0),

@@ -136,8 +136,8 @@ impl Selection {
         self.steps.last().expect("the plain plant is there")
     }
 
-    /// Returns the same search for ranges wider than those of `within`, the plant within the tolerances of its file. `rival` has an
-    /// effect that explains the error as well.
+    /// Returns the selection, made with wider ranges than those of `within`, which keeps to the tolerances of the plant file. The effect of
+    /// `rival` explains the error as well.
     pub(crate) fn beyond(mut self, within: Trial, rival: Option<Trial>) -> Self {
         (self.within, self.rival) = (Some(within), rival);
         self
@@ -152,7 +152,7 @@ impl Selection {
         }
     }
 
-    /// Returns the same search with `wide`, the plant with wider ranges, which explains the error as well.
+    /// Returns the selection with an alternative: `wide`, the plant with wider ranges, explains the error as well.
     pub(crate) fn or(mut self, wide: Trial) -> Self {
         self.alternative = Some(wide);
         self
