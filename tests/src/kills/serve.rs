@@ -106,14 +106,14 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Confirmed
             Ok(answer) => return refused("an upload", answer.status),
             Err(_) => break,
         }
-        let (what, wish) = match number % 4 {
+        let (what, request) = match number % 4 {
             0 => ("diagnose", json!({"logs": [1], "check": []})),
             1 => ("logs/1/compare", json!({})),
             2 => ("report", json!({})),
             _ => ("control/run", json!({})),
         };
         // A job gives no guarantee: it may be refused, and nothing of it has to be stored.
-        if client.post(&format!("{session}/{what}"), &wish).is_err() {
+        if client.post(&format!("{session}/{what}"), &request).is_err() {
             break;
         }
         let offset_s = 0.25 * (number + 1) as f64;

@@ -22,7 +22,7 @@ export class Work {
   }
 
   /** Begins a job by a request, and follows it; returns whether it was completed. A cancelled job is not an error. */
-  async run(path, wish) {
+  async run(path, request) {
     this.stop?.abort();
     const stop = this.stop = new AbortController();
     const bar = element("progress", { max: 1, value: 0, "aria-label": this.what });
@@ -33,7 +33,7 @@ export class Work {
     sessionStorage.setItem(UNDER_WAY, this.what);
     let isCutOff = false;
     try {
-      const begun = await api.post(path, wish);
+      const begun = await api.post(path, request);
       await api.follow(begun.job, (share, stage) => {
         bar.value = share;
         const seconds = Math.round((performance.now() - begin) / 1000);

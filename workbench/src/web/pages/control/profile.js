@@ -8,8 +8,8 @@ const ROWS_MAX = 60;
 const SHORT = 8;
 
 /** Creates a form that passes the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
-export function profileForm(wish, apply, open) {
-  const { profile } = wish;
+export function profileForm(query, apply, open) {
+  const { profile } = query;
   const field = (value, name, least, role = "short") => element("input", { type: "number", step: "any", min: least, value, class: role, "aria-label": name, required: true });
   const start = field(profile.start_bar, "reference at the start");
   const pressure = field(profile.start_pressure_bar, "pressure at the start", 0);
@@ -42,13 +42,13 @@ export function profileForm(wish, apply, open) {
     if (chosen.size > 1 << 20) { showMessage(`${chosen.name}: a profile has at most 1 MiB on this page`, "problem"); return; }
     await open({ name: chosen.name, csv: await chosen.text() }).catch(() => {});
   } } });
-  const about = wish.scenarios.find((one) => one.name === wish.scenario)?.about ?? "";
+  const about = query.scenarios.find((one) => one.name === query.scenario)?.about ?? "";
   const list = element("details", { open: profile.changes.length <= SHORT },
     element("summary", {}, "Steps and ramps"),
     element("table", { class: "form" },
       element("thead", {}, element("tr", {}, [["time", "s"], ["reference", "bar gauge"], ["ramp", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
   const form = element("form", { class: "stack tight", id: "profile", on: { submit: (event) => { event.preventDefault(); apply(read()).catch(() => {}); } } },
-    element("p", { class: "quiet" }, wish.is_edited ? profile.name : `${about}. It runs on the plant of this project.`),
+    element("p", { class: "quiet" }, query.is_edited ? profile.name : `${about}. It runs on the plant of this project.`),
     element("label", {}, "reference at the start ", start, element("span", { class: "unit" }, " bar gauge")),
     element("label", {}, "pressure at the start ", pressure, element("span", { class: "unit" }, " bar gauge")),
     list,
@@ -58,7 +58,7 @@ export function profileForm(wish, apply, open) {
     element("div", { class: "row" },
       isWhole && button("Add a step", add, { id: "add-step" }),
       isWhole && element("button", { type: "submit", class: "primary", id: "apply-profile" }, "Apply and run"),
-      wish.is_edited && button("Reset", () => apply(null).catch(() => {})),
+      query.is_edited && button("Reset", () => apply(null).catch(() => {})),
       element("label", { class: "button", for: "profile-file", title: "CSV with the columns time_s and p_ref_bar_gauge" }, "Open file …"), file));
   return [element("h2", {}, "Reference profile"), form];
 }
