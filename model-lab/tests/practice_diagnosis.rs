@@ -132,11 +132,11 @@ fn rig_4_has_a_narrow_supply_line() {
     assert_contains(of("restriction_area_m2"), 3.25e-6);
     assert_contains(of("line_volume_m3"), 7e-5);
     // Without the effect, the ordinary parameters were distorted.
-    let bent = |name: &str| {
+    let is_distorted = |name: &str| {
         let mut nuisance = diagnosis.nuisance.iter();
         nuisance.any(|nuisance| nuisance.name == name && nuisance.alarm.is_some())
     };
-    assert!(bent("flow.discharge_fill"));
+    assert!(is_distorted("flow.discharge_fill"));
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
     ],
     [
         "retarder control --rigs 100",
-        "the loop on a hundred rigs that differ as valves do",
+        "robustness (Monte Carlo): the loop on a hundred rigs with the scatter of real valves",
     ],
     [
         "retarder thesis",

@@ -2,7 +2,7 @@
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;
-use firmware::{Event, Life, Pace, ResetReason, Retained};
+use firmware::{Event, NextAction, Pace, ResetReason, Retained};
 use hil_protocol::{BlackBoxStatus, Reply, Request, ResetCause, SettingsSource};
 
 use crate::bench::{Deed, Memory};
@@ -67,11 +67,11 @@ fn a_reset_by_request_waits_until_its_answer_has_left_with_the_coils_off() {
     machine.board().deeds.clear();
     machine.board().tick();
     for _ in 0..3 {
-        assert_eq!(machine.image.turn(), Life::GoesOn);
+        assert_eq!(machine.image.turn(), NextAction::Continue);
     }
     assert_eq!(machine.board().deeds, [Deed::CoilsOff; 3]);
     machine.board().is_sending = false;
-    assert_eq!(machine.image.turn(), Life::Ends);
+    assert_eq!(machine.image.turn(), NextAction::Reset);
     let identity = memory.start().hello(false);
     assert_eq!(
         (identity.reset_cause, identity.boot),

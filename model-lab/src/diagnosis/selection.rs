@@ -12,7 +12,7 @@ use super::verdict::{
     FURTHER_SHARE, LITTLE_FLOORS, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
-/// So many first effects are tried with every second one, ...
+/// Number of first effects that are tried with every second one, ...
 const FIRSTS: usize = 3;
 /// ... if they explain at least this share of the excess on the fitted logs, ...
 const FIRST_SHARE: f64 = 0.05;
@@ -51,8 +51,9 @@ pub(crate) fn singles(
     try_all(bench, plain, effort, "single effects", watch)
 }
 
-/// Climbs from `plain` and every effect alone until nothing material remains, or nothing explains what does.
-pub(crate) fn climb(
+/// Selects effects by forward selection, from `plain` and every effect alone. It ends where no material error remains, or where no effect
+/// explains the remaining one.
+pub(crate) fn forward_selection(
     bench: &Bench,
     plain: Trial,
     singles: Vec<Tried>,

@@ -326,7 +326,7 @@ fn a_signal_at_another_rate_shows_the_missing_effect() {
     );
 }
 
-/// Defect seen: a signal that is excluded from the fit was not named beside the effects that it would have shown.
+/// Defect seen: a signal that is excluded from the fit was not named beside the effects that only it shows.
 #[test]
 fn a_dead_sensor_is_named_beside_what_is_not_excited() {
     let bench = Bench::new();
