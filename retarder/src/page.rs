@@ -72,7 +72,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         }
         Outcome::Comparison(compared) => page(&Page {
             title: &format!(
-                "{} against {}",
+                "{} compared with {}",
                 compared.plant.name, compared.comparison.log
             ),
             compared: std::slice::from_ref(compared),
@@ -124,7 +124,7 @@ fn diagnosis(diagnosed: &Diagnosed) -> String {
         .collect();
     page(&Page {
         title: &format!(
-            "{} against {}: what is missing?",
+            "{} compared with {}: what is missing?",
             task.plant.name,
             sources.join(", ")
         ),

@@ -1,10 +1,10 @@
 //! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
 //!
-//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
-//! the plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a
-//! warm coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values
-//! are the answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening leaves an error,
-//! effects are looked for within the file's ranges.
+//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise, the
+//! plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a warm
+//! coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values are the
+//! answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening
+//! leaves an error, effects are looked for within the file's ranges.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;

@@ -38,7 +38,7 @@ fn a_log_gives_the_same_rows_in_either_format_and_from_the_standard_input() {
 
 /// MF4 values are not rounded to decimals as in CSV: the comparison uses the model's exact values.
 #[test]
-fn a_simulated_mf4_holds_against_its_own_plant_without_any_error() {
+fn a_simulated_mf4_equals_its_own_plant_without_any_error() {
     let bench = Bench::new();
     let log = data("synthetic/practice-00-check.csv");
     let ran = bench.run(&["simulate", "--log", &log, "--out", "model.mf4"]);

@@ -11,7 +11,7 @@ use crate::runner::{Bench, assert_contains, data, short_log};
 
 /// A simulated recording is a measurement of the same plant: the comparison passes, and with another plant it fails.
 #[test]
-fn a_simulated_recording_holds_against_its_own_plant_only() {
+fn a_simulated_recording_is_within_tolerance_of_its_own_plant_only() {
     let bench = Bench::new();
     let log = data("synthetic/practice-00-check.csv");
     let ran = bench.run(&["simulate", "--log", &log, "--out", "model.csv"]);
