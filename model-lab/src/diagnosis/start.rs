@@ -70,7 +70,9 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     };
     let expected = starts.iter().map(|start: &Start| {
         let weakened = start.best.filter(|best| WEAKENED.contains(&best.share));
-        weakened.map_or(start.expected_cost, |best| best.cost.min(start.expected_cost))
+        weakened.map_or(start.expected_cost, |best| {
+            best.cost.min(start.expected_cost)
+        })
     });
     let least = expected.min_by(f64::total_cmp);
     Prospect {
@@ -91,7 +93,11 @@ fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<St
     if starts.first().is_none_or(asks_for_weaker) {
         starts.extend(begin(WEAKER_SIZE));
     }
-    let mut least = without.min(starts.first().map_or(f64::INFINITY, |start| start.expected_cost));
+    let mut least = without.min(
+        starts
+            .first()
+            .map_or(f64::INFINITY, |start| start.expected_cost),
+    );
     let mut last = starts.iter().find(|start| start.size == SIZES[1]).cloned();
     for size in STRONGER_SIZES {
         let asks_for_stronger = |start: &Start| {

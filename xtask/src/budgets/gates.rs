@@ -284,12 +284,12 @@ mod tests {
                 "full steps: duty cycle",
             ),
         ];
-        for (spoil, expected) in cases {
+        for (spoil, start) in cases {
             let mut all = on_the_edge();
             spoil(&mut all);
             let exceeded = exceeded(&gates(&all));
-            assert_eq!(exceeded.len(), 1, "{expected}: {exceeded:?}");
-            assert!(exceeded[0].starts_with(expected), "{expected}: {exceeded:?}");
+            assert_eq!(exceeded.len(), 1, "{start}: {exceeded:?}");
+            assert!(exceeded[0].starts_with(start), "{start}: {exceeded:?}");
         }
     }
 
@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn who_was_not_measured_does_not_pass() {
-        for (missing, expected) in [
+        for (missing, start) in [
             (STEP, "full step: not measured, has to be: measured"),
             (CHECKED, "checked loop: not measured"),
             (ECU, "ECU sample: not measured"),
@@ -330,7 +330,7 @@ mod tests {
             all.remove(missing);
             let exceeded = exceeded(&gates(&all));
             assert_eq!(exceeded.len(), 1, "{exceeded:?}");
-            assert!(exceeded[0].starts_with(expected), "{exceeded:?}");
+            assert!(exceeded[0].starts_with(start), "{exceeded:?}");
         }
         let exceeded = exceeded(&gates(&on_the_edge()[STEP..]));
         assert_eq!(exceeded.len(), 1, "{exceeded:?}");

@@ -19,7 +19,7 @@ const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
 const RESET_VECTOR: usize = 1;
 
 /// Smallest frame that the list of calls to the deepest point shows (bytes).
-const LISTED_BYTES_MIN: u32 = 256;
+const SHOWN_BYTES: u32 = 256;
 
 /// Stack that an image can need.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Stack {
         ]);
         for part in &self.parts {
             table.row(vec![format!("  {}", part.name), part.bytes.to_string()]);
-            let large = part.calls.iter().filter(|(_, own)| *own >= LISTED_BYTES_MIN);
+            let large = part.calls.iter().filter(|(_, own)| *own >= SHOWN_BYTES);
             for (name, own) in large {
                 table.row(vec![format!("    of which {name}"), own.to_string()]);
             }

@@ -121,7 +121,9 @@ fn find_clock_by(
         let clocks = delay.phases().iter().map(|share| Some(clock(share)));
         (clocks.collect(), delays_s.clone(), delays_s)
     } else {
-        let clocks = from_commands.iter().flat_map(|one| Delay::AsGiven.clocks(one));
+        let clocks = from_commands
+            .iter()
+            .flat_map(|one| Delay::AsGiven.clocks(one));
         let shares = match delay {
             Delay::AsGiven => &[0.0],
             Delay::Searched => &DELAYS_WITHIN_ROW[..],
