@@ -92,9 +92,9 @@ impl Bench {
     fn ecus(&mut self) -> fmt::Result {
         let (config, mut checked) = (ecu_samples::CHECKED, Checked::NEW);
         let callee = Callee::integer_step(ecu_samples::checked_loop, &config, &mut checked);
-        let mut course = ClosedLoop::new();
+        let mut closed_loop = ClosedLoop::new();
         self.measure("checked_loop", callee, |_| Fed {
-            registers: Registers::code(course.sample().0),
+            registers: Registers::code(closed_loop.sample().0),
             expected: None,
         })?;
 
@@ -124,9 +124,9 @@ impl Bench {
     }
 
     fn on_trace(&mut self, name: &str, callee: Callee<'_>) -> fmt::Result {
-        let mut course = ClosedLoop::new();
+        let mut closed_loop = ClosedLoop::new();
         self.measure(name, callee, |_| {
-            let (sample, duties) = course.sample();
+            let (sample, duties) = closed_loop.sample();
             Fed {
                 registers: Registers::pressures(sample),
                 expected: Some(duties),

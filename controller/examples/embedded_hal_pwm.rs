@@ -138,7 +138,7 @@ fn main() {
     assert_eq!(bench.fill.get(), Bench::COUNTS_MAX);
     let _ = set(&mut pwm, Duty::OFF);
     assert_eq!(bench.fill.get(), 0);
-    println!("3 bar, a broken wire, 1 bar: all as told");
+    println!("3 bar, a broken wire, 1 bar: all as expected");
 }
 
 /// Chamber with two valves, driven by the compare values of two timer channels.

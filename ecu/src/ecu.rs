@@ -239,7 +239,7 @@ impl EcuState {
         self.command.opening = opening(outputs, config.vent_valve);
         self.command
             .valves
-            .told(&config.limits, self.command.opening);
+            .record(&config.limits, self.command.opening);
     }
 }
 

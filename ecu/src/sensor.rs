@@ -101,7 +101,7 @@ mod tests {
         );
     }
 
-    /// All codes against the exact rational curve, rounded half up.
+    /// Compares all codes with the exact rational curve, rounded half up.
     #[test]
     fn the_integer_curve_is_the_nearest_to_the_real_one_at_every_code() {
         for bits in 0..=4095 {

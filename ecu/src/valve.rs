@@ -24,7 +24,7 @@ impl Valve {
 
     /// Records the duty cycle that was just commanded; `open` is the valve's open duty cycle (%), 2⁻¹⁶.
     #[inline(always)]
-    fn told(&mut self, opening: Duty, open: i32) {
+    fn record(&mut self, opening: Duty, open: i32) {
         self.shut.push(opening.is_off());
         self.open.push(opening.to_bits() >= open);
     }
@@ -55,9 +55,9 @@ impl Valves {
 
     /// Records the commands that were just given to the valves.
     #[inline(always)]
-    pub(crate) fn told(&mut self, limits: &Limits, opening: Output) {
-        self.fill.told(opening.duty_fill, limits.open_fill);
-        self.vent.told(opening.duty_vent, limits.open_vent);
+    pub(crate) fn record(&mut self, limits: &Limits, opening: Output) {
+        self.fill.record(opening.duty_fill, limits.open_fill);
+        self.vent.record(opening.duty_vent, limits.open_vent);
     }
 }
 
@@ -74,7 +74,7 @@ mod tests {
         for &(percent, samples) in commands {
             let duty = Duty::from_percent(percent.parse().unwrap()).unwrap();
             for _ in 0..samples {
-                valve.told(duty, OPEN);
+                valve.record(duty, OPEN);
             }
         }
         valve

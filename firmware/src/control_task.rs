@@ -51,7 +51,7 @@ pub(crate) struct ControlTask<B, F, M> {
     /// Number of turns of the loop while a host sets the pace.
     turns: u32,
     /// Last logged mode and faults; `None` since the logic started, so that the first sample logs them.
-    told: Option<(Mode, FaultSet)>,
+    logged: Option<(Mode, FaultSet)>,
     punctuality: Punctuality,
     measurement: Measurement,
 }
@@ -63,7 +63,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         board.feed_watchdog(Pace::Timer);
         Self {
             last_us: board.now_us(),
-            told: None,
+            logged: None,
             board,
             ecu,
             pace: Pace::Timer,
@@ -107,7 +107,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         let actuators = self.ecu.sample(sample, &inputs).actuators;
         self.drive(actuators);
         self.punctuality.driven(self.board.since_tick_us());
-        self.tell(sample);
+        self.log_supervisor(sample);
         if missed > 0 {
             self.board.log(Event::TicksMissed { sample, missed });
         }
@@ -156,7 +156,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         match self.ecu.answer(&measured) {
             Reply::Sample { answer, measured } => {
                 self.drive(answer.actuators);
-                self.tell(sensors.sample);
+                self.log_supervisor(sensors.sample);
                 Reply::Sample {
                     answer,
                     measured: self.measurement.merged(&measured, &self.punctuality),
@@ -178,7 +178,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
         }
         let cause = self.ecu.reset_cause();
         self.ecu.answer(&Request::Restart { cause });
-        self.told = None;
+        self.logged = None;
         self.board.take_ticks();
         self.last_us = self.board.now_us();
         self.board.feed_watchdog(pace);
@@ -218,10 +218,10 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> ControlTask<B, F, M>
     }
 
     /// Logs mode and faults of the supervisor, if they changed.
-    fn tell(&mut self, sample: u32) {
+    fn log_supervisor(&mut self, sample: u32) {
         let (mode, faults) = (self.ecu.ecu().mode(), self.ecu.ecu().faults());
-        if self.told != Some((mode, faults)) {
-            self.told = Some((mode, faults));
+        if self.logged != Some((mode, faults)) {
+            self.logged = Some((mode, faults));
             self.board.log(Event::Supervisor {
                 sample,
                 mode,
@@ -262,7 +262,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Device for ControlTa
             }
             Request::Restart { .. } => {
                 self.board.drive(safe_outputs());
-                self.told = None;
+                self.logged = None;
                 self.ecu.answer(request)
             }
             _ => self.ecu.answer(request),

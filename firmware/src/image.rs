@@ -10,14 +10,14 @@ use crate::board::{Board, Received};
 use crate::control_task::ControlTask;
 use crate::event::Event;
 
-/// Result of a turn of the main loop: continue or reset.
+/// Action after a turn of the main loop: continue or reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use]
-pub enum Life {
+pub enum NextAction {
     /// The main loop continues.
-    GoesOn,
+    Continue,
     /// A host requested a reset, and the answer is sent: the coils are off, reset the machine.
-    Ends,
+    Reset,
 }
 
 /// Number of records of the black box: the last 5.12 s.
@@ -48,7 +48,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
             (Some(reset_reason), _) => reset_reason.cause(),
             // Only a loss of supply destroys the words.
             (None, ResetCause::Unknown) if !start.warm => ResetCause::PowerOn,
-            (None, told) => told,
+            (None, of_board) => of_board,
         };
         board.log(Event::Started {
             boot: start.boot,
@@ -75,7 +75,7 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
     }
 
     /// Runs one turn of the main loop: a sample if it is due, then at most one byte or frame of the link.
-    pub fn turn(&mut self) -> Life {
+    pub fn turn(&mut self) -> NextAction {
         if self.task.ends {
             return self.last_turn();
         }
@@ -88,10 +88,10 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
             self.task.board.send(frame);
         }
         if is_quiet_time {
-            return Life::GoesOn;
+            return NextAction::Continue;
         }
         let Some(received) = self.task.board.receive(&mut self.buffer) else {
-            return Life::GoesOn;
+            return NextAction::Continue;
         };
         let answer = match received {
             Received::Byte(byte) => self.session.receive_byte(byte, &mut self.task),
@@ -100,17 +100,17 @@ impl<B: Board, F: NorFlash, M: AsRef<[u32]> + AsMut<[u32]>> Image<B, F, M> {
         if let Some(frame) = answer {
             self.task.board.send(frame);
         }
-        Life::GoesOn
+        NextAction::Continue
     }
 
     /// Ends the run after the answer is sent. If it cannot be sent, the watchdog ends the wait.
-    fn last_turn(&mut self) -> Life {
+    fn last_turn(&mut self) -> NextAction {
         self.task.board.background();
         self.task.board.coils_off();
         if self.task.board.is_sending() {
-            Life::GoesOn
+            NextAction::Continue
         } else {
-            Life::Ends
+            NextAction::Reset
         }
     }
 

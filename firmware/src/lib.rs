@@ -18,7 +18,7 @@ pub mod self_test;
 pub use board::{Board, Received};
 pub use byte_ring::ByteRing;
 pub use event::Event;
-pub use image::{BLACK_BOX_WORDS, Image, Life};
+pub use image::{BLACK_BOX_WORDS, Image, NextAction};
 pub use log_ring::LogRing;
 pub use pace::Pace;
 pub use punctuality::{FIRST_SIGNAL, SIGNALS};

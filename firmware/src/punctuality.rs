@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn the_latest_and_the_largest_of_each_time_are_told() {
+    fn the_latest_and_the_largest_of_each_time_are_reported() {
         let mut punctuality = Punctuality::new();
         for (now_us, latency_us) in [(10_000, 5), (20_030, 35), (30_001, 6)] {
             punctuality.begin(now_us, latency_us, 0);

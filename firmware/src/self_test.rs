@@ -88,10 +88,10 @@ pub fn run(watcher: &mut impl Watcher, flip: impl Fn(&str, u32) -> u32) -> Resul
             }
             let done = number + 1;
             if done % BLOCK == 0 {
-                watcher.show(told(name, " step=", done, digest).as_str())?;
+                watcher.show(digest_line(name, " step=", done, digest).as_str())?;
             }
         }
-        watcher.show(told(name, " steps=", STEPS, digest).as_str())?;
+        watcher.show(digest_line(name, " steps=", STEPS, digest).as_str())?;
     }
     Ok(())
 }
@@ -105,7 +105,7 @@ pub fn show_stack(watcher: &mut impl Watcher, used: u32, reserved: u32) -> Resul
     watcher.show(line.text(" of=").decimal(reserved).as_str())
 }
 
-fn told(name: &str, key: &str, steps: u32, digest: Digest) -> Line {
+fn digest_line(name: &str, key: &str, steps: u32, digest: Digest) -> Line {
     Line::new()
         .text("config=")
         .text(name)

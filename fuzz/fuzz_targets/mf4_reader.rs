@@ -1,13 +1,13 @@
 #![no_main]
 
-#[path = "../../model-lab/tests/promise/mod.rs"]
-#[allow(dead_code, reason = "each target tests one of the promises")]
+#[path = "../../model-lab/tests/properties/mod.rs"]
+#[allow(dead_code, reason = "each target checks one of the properties")]
 mod chain;
-#[path = "../../recording/tests/promise/mod.rs"]
-#[allow(dead_code, reason = "each target tests one of the promises")]
-mod promise;
+#[path = "../../recording/tests/properties/mod.rs"]
+#[allow(dead_code, reason = "each target checks one of the properties")]
+mod properties;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    promise::mf4_reader(bytes);
+    properties::mf4_reader(bytes);
     chain::mf4_to_comparison(bytes);
 });

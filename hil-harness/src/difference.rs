@@ -46,6 +46,6 @@ impl fmt::Display for Difference {
             let mark = if *a == b { ' ' } else { '*' };
             writeln!(f, "{mark} {name:22}{a:>14}{b:>14}")?;
         }
-        write!(f, "  both were told: {:?}", self.sensors)
+        write!(f, "  input of both: {:?}", self.sensors)
     }
 }

@@ -1,7 +1,7 @@
 //! Fault-injection campaign: requirements on the ECU, and checks that the oracle detects violations.
 
 use ecu::{Damage, Ecu, EcuConfig, Fault, Mechanism, Mode};
-use hil_harness::campaign::Promise::{
+use hil_harness::campaign::CampaignRequirement::{
     self, EmptyInTime, NeutralFirst, NoBump, NoFillAfterN, NoIncreaseWithoutReference, NoKick,
     NoSuddenLoss, OneCoil, ResumesByItself, SafeInTime, ShutInDoubt, StaysLocked,
 };
@@ -33,7 +33,7 @@ fn outcome(injection: &Injection, target: &mut InProcessTarget) -> Outcome {
 /// Every class of fault at random instants, on scattered rigs: safety first, then recovery. The example runs any number
 /// of them.
 #[test]
-fn no_promise_is_broken_in_two_thousand_runs_with_a_fault() {
+fn no_requirement_is_violated_in_two_thousand_runs_with_a_fault() {
     let mut target = whole();
     let classes: Vec<FaultClass> = FaultClass::all()
         .filter(|class| target.breaks(*class))
@@ -71,15 +71,15 @@ struct Slice<T> {
     /// Required mechanism.
     needs: T,
     /// Requirement that is violated in at least one of its runs without the mechanism.
-    promise: Promise,
+    requirement: CampaignRequirement,
     /// Fault in the form of a line; missing parts are chosen run by run.
     fault: &'static str,
 }
 
-const fn slice<T>(needs: T, promise: Promise, fault: &'static str) -> Slice<T> {
+const fn slice<T>(needs: T, requirement: CampaignRequirement, fault: &'static str) -> Slice<T> {
     Slice {
         needs,
-        promise,
+        requirement,
         fault,
     }
 }
@@ -113,17 +113,17 @@ impl<T: core::fmt::Debug> Slice<T> {
             ));
         }
         let failures = self.failures(&mut InProcessTarget::altered(without).damaged_by(damage));
-        let broken: Vec<Promise> = failures
+        let broken: Vec<CampaignRequirement> = failures
             .iter()
             .flat_map(|outcome| &outcome.violations)
-            .map(|violation| violation.promise)
+            .map(|violation| violation.requirement)
             .collect();
-        let noticed = broken.iter().filter(|promise| **promise == self.promise);
+        let noticed = broken.iter().filter(|one| **one == self.requirement);
         println!(
             "without {:28} {:2} of {RUNS} runs red, {:?} in {}",
             format!("{needs:?}"),
             failures.len(),
-            self.promise,
+            self.requirement,
             noticed.clone().count(),
         );
         if noticed.count() == 0 {

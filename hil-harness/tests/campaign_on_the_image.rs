@@ -35,7 +35,7 @@ fn campaign(classes: &[FaultClass], runs: u64) -> Summary {
 }
 
 #[test]
-fn the_image_keeps_every_promise_in_a_hundred_runs_with_a_fault() {
+fn the_image_meets_every_requirement_in_a_hundred_runs_with_a_fault() {
     let classes: Vec<FaultClass> = FaultClass::all()
         .filter(|class| !matches!(class, FaultClass::Image(_)))
         .collect();

@@ -1,7 +1,7 @@
 //! Short version of the example `false_alarms`, for every run of the tests.
 
 #[path = "../examples/false_alarms/soak.rs"]
-#[allow(dead_code, reason = "the example tells more of it")]
+#[allow(dead_code, reason = "the example uses more of it")]
 mod soak;
 
 /// One rig of each kind, the first with a built-in profile, the last with the thesis' controller, for 800 samples each.

@@ -8,7 +8,7 @@ use crate::measured::{Measured, Restart};
 use crate::result::{LogDefects, LogGap, MissingCells};
 
 /// Number of gaps that get a sentence each.
-const TOLD_MAX: usize = 5;
+const LISTED_MAX: usize = 5;
 
 impl LogDefects {
     /// Returns whether there are no defects.
@@ -35,12 +35,12 @@ impl LogDefects {
             })
             .collect();
         let mut sentences = defects.sentences();
-        let told = gaps.iter().zip(commands.gaps.iter()).take(TOLD_MAX);
-        sentences.extend(told.map(|(gap, of)| gap.sentence(of.is_without_commands)));
-        if gaps.len() > TOLD_MAX {
+        let listed = gaps.iter().zip(commands.gaps.iter()).take(LISTED_MAX);
+        sentences.extend(listed.map(|(gap, of)| gap.sentence(of.is_without_commands)));
+        if gaps.len() > LISTED_MAX {
             sentences.push(format!(
                 "{} more gaps, in no error either",
-                gaps.len() - TOLD_MAX
+                gaps.len() - LISTED_MAX
             ));
         }
         let below_vacuum = pressure.map_or(0, |pressure| pressure.below_vacuum);

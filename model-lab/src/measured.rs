@@ -17,18 +17,18 @@ use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
 /// Measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
-/// Signals of a log that the diagnosis uses; armature positions exist only in the model.
-pub(crate) const WEIGHED: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
-/// Gas temperature, which the diagnosis uses where the plant has a variable one.
+/// Signals of a log that a fit uses; armature positions exist only in the model.
+pub(crate) const FITTED_SIGNALS: [&str; 3] = [PRESSURE, "i_fill", "i_vent"];
+/// Gas temperature, which a fit uses where the plant has a variable one.
 pub(crate) const GAS_TEMPERATURE: &str = "t_gas";
 
-/// Returns whether the diagnosis uses the signal `name` with a plant like `parameters`.
-pub(crate) fn is_weighed(parameters: &PlantParameters, name: &str) -> bool {
+/// Returns whether a fit of a plant like `parameters` uses the signal `name`.
+pub(crate) fn is_fitted_signal(parameters: &PlantParameters, name: &str) -> bool {
     let has_temperature = || {
         let effect = parameters.effect("gas_temperature");
         effect.is_some_and(|effect| !effect.is_off())
     };
-    WEIGHED.contains(&name) || (name == GAS_TEMPERATURE && has_temperature())
+    FITTED_SIGNALS.contains(&name) || (name == GAS_TEMPERATURE && has_temperature())
 }
 
 /// Returns whether the signal `name` is a coil current.

@@ -318,7 +318,7 @@ mod tests {
 
     /// A delay that is wrong by most of a PWM period was reported as the regime of the error.
     #[test]
-    fn a_current_that_is_late_is_told_to_be_so_and_not_placed() {
+    fn a_current_that_is_late_is_reported_as_late_and_not_placed() {
         let pulses = [
             (0.03, 80.0, 0.0),
             (0.07, 0.0, 0.0),
@@ -337,8 +337,8 @@ mod tests {
         let mut late = bench.plant.clone();
         late.ecu.command_delay_s += 7e-3;
         let comparison = of(&bench.measure(), &late);
-        let told: Vec<_> = comparison.warnings.iter().map(|one| one.kind).collect();
-        assert_eq!(told, [WarningKind::Misaligned; 2]);
+        let kinds: Vec<_> = comparison.warnings.iter().map(|one| one.kind).collect();
+        assert_eq!(kinds, [WarningKind::Misaligned; 2]);
         let statement = &comparison.warnings[0].statement;
         assert!(statement.contains("a shift by 7."), "{statement}");
         for signal in comparison.signals.iter().filter(|one| one.name != "p_ch") {

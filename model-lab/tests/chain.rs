@@ -1,6 +1,6 @@
 //! From a file to a comparison: the seeds of the fuzz targets satisfy the requirement that the targets test.
 
-mod promise;
+mod properties;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ fn files(folder: &str) -> Vec<PathBuf> {
 #[test]
 fn the_seeds_of_the_fuzzer_are_compared_or_refused() {
     for path in files("corpus/wrong").iter().chain(&files("corpus/good")) {
-        promise::csv_to_comparison(&fs::read(path).unwrap());
+        properties::csv_to_comparison(&fs::read(path).unwrap());
     }
     for folder in [
         "corpus/mapping-wrong",
@@ -31,11 +31,11 @@ fn the_seeds_of_the_fuzzer_are_compared_or_refused() {
         "corpus/out-of-bounds",
     ] {
         for path in files(folder) {
-            promise::mapping_to_comparison(&fs::read_to_string(path).unwrap());
+            properties::mapping_to_comparison(&fs::read_to_string(path).unwrap());
         }
     }
     for path in files("fixtures/mf4") {
-        promise::mf4_to_comparison(&fs::read(path).unwrap());
+        properties::mf4_to_comparison(&fs::read(path).unwrap());
     }
 }
 
@@ -51,7 +51,7 @@ fn the_mapping_that_stays_within_half_is_compared_and_says_what_is_missing() {
     };
     let log = fs::read(folder.join("log.csv")).unwrap();
     let recording = read("log.csv", log.as_slice(), &options).unwrap();
-    promise::compared(&recording);
+    properties::compared(&recording);
     let plant = plant_sim::PlantParameters::nominal();
     let found =
         model_lab::compare(&plant, &recording, &model_lab::CompareOptions::default()).unwrap();
@@ -105,6 +105,6 @@ fn damaged_logs_are_compared_or_refused() {
             }
         }
         let text: String = rows.iter().map(|row| row.join(",") + "\n").collect();
-        promise::csv_to_comparison(text.as_bytes());
+        properties::csv_to_comparison(text.as_bytes());
     }
 }

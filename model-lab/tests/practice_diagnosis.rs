@@ -86,7 +86,7 @@ fn assert_contains(parameter: &FittedParameter, truth: f64) {
 }
 
 #[test]
-fn rig_0_lacks_nothing_and_tells_what_it_would_have_shown() {
+fn rig_0_lacks_nothing_and_lists_its_detection_limits() {
     let diagnosis = diagnosed(0);
     assert_eq!(
         diagnosis.verdict,
@@ -132,11 +132,11 @@ fn rig_4_has_a_narrow_supply_line() {
     assert_contains(of("restriction_area_m2"), 3.25e-6);
     assert_contains(of("line_volume_m3"), 7e-5);
     // Without the effect, the ordinary parameters were distorted.
-    let bent = |name: &str| {
+    let is_distorted = |name: &str| {
         let mut nuisance = diagnosis.nuisance.iter();
         nuisance.any(|nuisance| nuisance.name == name && nuisance.alarm.is_some())
     };
-    assert!(bent("flow.discharge_fill"));
+    assert!(is_distorted("flow.discharge_fill"));
 }
 
 #[test]

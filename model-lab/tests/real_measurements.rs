@@ -74,7 +74,7 @@ fn the_diagnosis_finds_leak_and_offset_of_the_coarser_chamber() {
 
 /// A fall by 30 mbar in 150 s shows that there is a leak, but not its law: both laws leave the resolution of the sensor.
 #[test]
-fn an_almost_tight_chamber_does_not_tell_the_law_of_its_leak() {
+fn an_almost_tight_chamber_does_not_determine_the_law_of_its_leak() {
     let outcomes = rig("leakdown-aluminium").outcomes();
     let left = |model| rms(&outcomes, model, "p_ch");
     assert!(left("tight") > 0.02, "{}", left("tight"));

@@ -98,13 +98,13 @@ impl RestingCurrent {
         let flowing = if end > 0.0 {
             time
         } else {
-            time.min(self.extinction())
+            time.min(self.zero_time())
         };
         self.steady * flowing + self.time_constant * (self.initial - end)
     }
 
     /// Returns the time at which a falling current has decayed to zero (s); infinite if it never does.
-    fn extinction(&self) -> f64 {
+    fn zero_time(&self) -> f64 {
         if self.steady < 0.0 {
             self.time_constant * (1.0 - self.initial / self.steady).ln()
         } else {
@@ -148,7 +148,7 @@ mod tests {
 
     /// The charge follows from the flux balance R ∫i dt = ∫u dt - L Δi, independent of events in between.
     #[test]
-    fn charge_agrees_with_quadrature_also_beyond_extinction() {
+    fn charge_agrees_with_quadrature_also_after_the_current_decayed() {
         for (drive, start) in [
             (Drive::Energised(24.0), 0.05),
             (Drive::FreeWheeling(0.8), 0.2),

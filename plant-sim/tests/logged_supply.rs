@@ -72,7 +72,7 @@ fn choked_filling_is_the_sum_over_the_supply_pressures_that_were_logged() {
 
 /// The same numbers as absolute pressures are another supply; the same supply gives the same pressures.
 #[test]
-fn gauge_and_absolute_pressure_are_told_apart() {
+fn gauge_and_absolute_pressure_are_distinguished() {
     let plant = vessel();
     let ambient_bar = plant.gas.ambient_pressure_pa / BAR;
     let absolute: Vec<f64> = levels().iter().map(|bar| bar + ambient_bar).collect();

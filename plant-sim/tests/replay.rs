@@ -338,7 +338,7 @@ fn a_command_that_is_not_there_is_no_zero_and_the_column_that_may_be_it_is_named
 }
 
 #[test]
-fn a_name_that_the_model_does_not_know_is_told_with_what_it_may_be() {
+fn a_name_that_the_model_does_not_know_is_reported_with_what_it_may_be() {
     let nominal = PlantParameters::nominal();
     let nearest = |name: &'static str, unit: Unit, beside: &[(&str, Unit, Vec<f64>)]| {
         let log = log(0.01, &[beside, &[(name, unit, vec![1.0; 20])]].concat());

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn outliers_are_told_with_place_value_and_bounds() {
+    fn outliers_are_reported_with_place_value_and_bounds() {
         let bounds = Bounds::of(Quantity::Current);
         let mut cells = OutOfBounds::new("i_fill", Unit::Milliampere, &bounds, Some(5));
         for line in 2..20 {

@@ -193,17 +193,17 @@ impl Defects {
     /// Returns one sentence for each defect, without a full stop; of many pauses only the first ones.
     pub fn sentences(&self) -> Vec<String> {
         /// Maximum number of pauses with a sentence each.
-        const TOLD_MAX: usize = 5;
+        const SENTENCES_MAX: usize = 5;
         let mut sentences: Vec<String> = self
             .gaps
             .iter()
-            .take(TOLD_MAX)
+            .take(SENTENCES_MAX)
             .map(Pause::sentence)
             .collect();
-        if self.gap_count > TOLD_MAX {
+        if self.gap_count > SENTENCES_MAX {
             sentences.push(format!(
                 "{} more pauses without rows",
-                self.gap_count - TOLD_MAX
+                self.gap_count - SENTENCES_MAX
             ));
         }
         sentences.extend(self.missing.iter().map(MissingCells::sentence));
@@ -251,7 +251,7 @@ mod tests {
     use crate::csv::{Options, read};
 
     #[test]
-    fn pauses_and_missing_cells_are_told_and_nothing_else() {
+    fn pauses_and_missing_cells_are_reported_and_nothing_else() {
         let whole = (0..50).map(|row| format!("{:.2},1.5,280\n", f64::from(row) * 0.01));
         let header = "time_s,p_ch_bar_gauge,i_fill_mA\n";
         let of = |rows: Vec<String>| {
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_signal_is_told_to_have_its_own_rows() {
+    fn a_slow_signal_is_reported_to_have_its_own_rows() {
         let cell = |row: u32| if row.is_multiple_of(5) { "1.5" } else { "" };
         let rows = (0..60).map(|row| format!("{:.2},{},280\n", f64::from(row) * 0.01, cell(row)));
         let log = format!(

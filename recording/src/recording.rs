@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_out_is_told_to_whoever_asks_for_it() {
+    fn what_was_left_out_is_reported_to_whoever_asks_for_it() {
         let (mut recording, _) = two_samples();
         recording.leave_out("p_ch", "found \"bar\", expected gauge or absolute");
         assert!(recording.mentions("p_ch") && !recording.mentions("u"));

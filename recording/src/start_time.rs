@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_clock_is_told_with_the_date() {
+    fn the_clock_is_named_with_the_date() {
         let text = |seconds: u64, clock| {
             let since_1970_ns = seconds * 1_000_000_000 + 999_999_999;
             StartTime {

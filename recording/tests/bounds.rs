@@ -95,7 +95,7 @@ fn a_column_out_of_bounds_is_refused_whatever_the_mapping_accepts() {
 }
 
 #[test]
-fn a_column_in_a_wrong_unit_is_told_its_unit_although_it_is_out_of_bounds() {
+fn a_column_in_a_wrong_unit_is_reported_with_its_unit_although_it_is_out_of_bounds() {
     let pascal = log("p_ch_bar_gauge", |row| (row * 8000).to_string());
     let error = plain(&pascal).unwrap_err();
     assert_eq!(error.code(), "E-CSV-SCALE", "{error}");

@@ -1,7 +1,7 @@
 //! Small hand-made files, each with one error or with one unusual but valid property.
 
-#[allow(dead_code, reason = "each test holds some of the promises")]
-mod promise;
+#[allow(dead_code, reason = "each test checks some of the properties")]
+mod properties;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -249,7 +249,7 @@ fn every_odd_dialect_gives_the_same_recording() {
 
 /// The seeds of the fuzz targets meet the requirements that the targets test.
 #[test]
-fn the_seeds_of_the_fuzzer_keep_its_promises() {
+fn the_seeds_of_the_fuzzer_have_its_properties() {
     let files = |folder: &'static str| {
         names(folder)
             .into_iter()
@@ -257,8 +257,8 @@ fn the_seeds_of_the_fuzzer_keep_its_promises() {
     };
     files("wrong")
         .chain(files("good"))
-        .for_each(|bytes| promise::csv_reader(&bytes));
+        .for_each(|bytes| properties::csv_reader(&bytes));
     for bytes in files("mapping-wrong").chain(files("mapping-good")) {
-        promise::mapping_toml(&String::from_utf8(bytes).unwrap());
+        properties::mapping_toml(&String::from_utf8(bytes).unwrap());
     }
 }

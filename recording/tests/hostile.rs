@@ -3,8 +3,8 @@
 //! `memory.rs` counts the heap. The tests here count the bytes read of a refused input, and on Linux the growth of the
 //! process while a long input is streamed.
 
-#[allow(dead_code, reason = "each test holds some of the promises")]
-mod promise;
+#[allow(dead_code, reason = "each test checks some of the properties")]
+mod properties;
 
 use std::io::{self, Read};
 use std::time::{Duration, Instant};
@@ -351,12 +351,12 @@ proptest! {
 
     #[test]
     fn random_bytes_give_a_recording_or_a_typed_error(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        promise::csv_reader(&bytes);
+        properties::csv_reader(&bytes);
     }
 
     #[test]
     fn random_csv_like_text_gives_a_recording_or_a_typed_error(text in "(time_s|p_V|[0-9.,;\"\t\r\n#e+\\- ]){0,60}") {
-        promise::csv_reader(text.as_bytes());
+        properties::csv_reader(text.as_bytes());
     }
 
     #[test]
@@ -372,14 +372,14 @@ proptest! {
                 _ => bytes.truncate(at.max(1)),
             }
         }
-        promise::csv_reader(&bytes);
+        properties::csv_reader(&bytes);
     }
 
     #[test]
     fn random_mappings_give_a_mapping_or_a_typed_error(
         text in "(schema = 1\n|\\[time\\]\n|column = [0-9]\n|unit = \"(s|bar|V)\"\n|scale = [0-9]\n|\\[signal.a\\]\n|[ -~]){0,12}",
     ) {
-        promise::mapping_toml(&text);
+        properties::mapping_toml(&text);
     }
 }
 

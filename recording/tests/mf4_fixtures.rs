@@ -173,7 +173,7 @@ fn groups_of_two_rates_are_time_bases_of_one_recording() {
 }
 
 #[test]
-fn who_asks_for_a_channel_that_was_left_out_is_told_what_to_write() {
+fn who_asks_for_a_channel_that_was_left_out_reads_what_to_write() {
     let recording = read_fixture("rates");
     let error = recording.require("p_sup", Quantity::Pressure).unwrap_err();
     let said = error.to_string();

@@ -1,7 +1,7 @@
 //! Damaged, cut and hostile MF4 files: each gives a recording or a typed error, in bounded memory and time.
 
-#[allow(dead_code, reason = "each test holds some of the promises")]
-mod promise;
+#[allow(dead_code, reason = "each test checks some of the properties")]
+mod properties;
 
 use std::fs;
 use std::io::Cursor;
@@ -58,7 +58,7 @@ fn a_file_that_is_cut_anywhere_is_refused_or_read() {
     for name in FIXTURES {
         let bytes = fixture(name);
         for length in (0..bytes.len()).step_by(7) {
-            promise::mf4_reader(&bytes[..length]);
+            properties::mf4_reader(&bytes[..length]);
         }
     }
 }
@@ -71,7 +71,7 @@ fn a_file_with_any_wrong_byte_is_refused_or_read() {
             let right = bytes[at];
             // The lowest bit flipped, the highest bit flipped, or zero, in turn.
             bytes[at] = [right ^ 1, right ^ 0x80, 0][at % 3];
-            promise::mf4_reader(&bytes);
+            properties::mf4_reader(&bytes);
             bytes[at] = right;
         }
     }
@@ -90,7 +90,7 @@ proptest! {
             let at = 8 * place.index(bytes.len() / 8);
             set_u64(&mut bytes, at, word);
         }
-        promise::mf4_reader(&bytes);
+        properties::mf4_reader(&bytes);
     }
 }
 

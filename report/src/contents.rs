@@ -92,14 +92,14 @@ impl<'a> BeforeAndAfter<'a> {
         logs: &[&'a Recording],
     ) -> Option<Self> {
         let [plain, refined] = diagnosis.plain_and_refined(plant);
-        let against = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
+        let compared = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
         let runs = logs
             .iter()
-            .filter_map(|log| Some((*log, against(&plain, log)?)));
+            .filter_map(|log| Some((*log, compared(&plain, log)?)));
         let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
         let after = match diagnosis.effects.is_empty() {
             true => None,
-            false => Some(against(&refined, log)?),
+            false => Some(compared(&refined, log)?),
         };
         Some(Self { log, before, after })
     }

@@ -218,8 +218,8 @@ fn candidate_row(candidate: &Candidate, is_contender: bool) -> Markup {
 
 fn neighbours(diagnosis: &Diagnosis) -> Markup {
     html! {
-        @for told in diagnosis.alternatives() {
-            p { (foreign(&told)) }
+        @for sentence in diagnosis.alternatives() {
+            p { (foreign(&sentence)) }
         }
     }
 }

@@ -75,7 +75,7 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     };
     html! {
         section id=(id) {
-            h2 { "Model against measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
+            h2 { "Model compared with measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
             p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
             @for sentence in conditions(comparison) { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
             @for sentence in &comparison.defects.sentences { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
@@ -149,7 +149,7 @@ fn how_to_read(comparison: &Comparison) -> Markup {
             h3 { "How to read this" }
             p {
                 "The model gets the duty cycles of the log and nothing else; what it then says is laid over what was measured. "
-                "The difference counts against the noise: what the measurement scatters by itself while nothing can change, shown as a grey band. "
+                "The difference is compared with the noise, which is the scatter of the measurement while nothing can change. It is the grey band. "
                 "A residual inside the band is no fault of the model."
             }
             p {

@@ -103,7 +103,7 @@ fn navigation(contents: &Contents<'_>) -> Markup {
         (
             !contents.models.is_empty(),
             "#model",
-            "Model against measurement",
+            "Model compared with measurement",
         ),
         (
             contents.diagnosis.is_some(),

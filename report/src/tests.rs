@@ -267,7 +267,7 @@ fn an_effect_without_a_neighbour_has_no_empty_list_of_them() {
 /// Defect seen: a verdict without a named effect had no plot. Now every compared signal is plotted as measured and as
 /// modelled by the plain model.
 #[test]
-fn a_diagnosis_that_names_nothing_shows_measured_against_modelled() {
+fn a_diagnosis_that_names_nothing_shows_measured_and_modelled() {
     let bench = Bench::new();
     let mut diagnosis: Diagnosis = serde_json::from_str(DIAGNOSIS).unwrap();
     let named = page_of(&bench, &diagnosis).matches("<svg").count();

@@ -35,7 +35,7 @@ pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
     ],
     [
         "retarder control --rigs 100",
-        "the loop on a hundred rigs that differ as valves do",
+        "robustness (Monte Carlo): the loop on a hundred rigs with the scatter of real valves",
     ],
     [
         "retarder thesis",
@@ -72,7 +72,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         }
         Outcome::Comparison(compared) => page(&Page {
             title: &format!(
-                "{} against {}",
+                "{} compared with {}",
                 compared.plant.name, compared.comparison.log
             ),
             compared: std::slice::from_ref(compared),
@@ -124,7 +124,7 @@ fn diagnosis(diagnosed: &Diagnosed) -> String {
         .collect();
     page(&Page {
         title: &format!(
-            "{} against {}: what is missing?",
+            "{} compared with {}: what is missing?",
             task.plant.name,
             sources.join(", ")
         ),

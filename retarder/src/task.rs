@@ -64,7 +64,7 @@ impl Task {
     /// Checks that the results can be written and destroy nothing; reads and checks all inputs of the arguments.
     pub(crate) fn resolve(arguments: Cli, files: &Files) -> Result<Self, Failure> {
         for note in files.check()? {
-            tell(&print::note(&note, &Terminal::standard_error()));
+            print_to_stderr(&print::note(&note, &Terminal::standard_error()));
         }
         let mut targets = Targets {
             existing: arguments.existing(),
@@ -222,7 +222,7 @@ fn simulate(args: SimulateArgs, targets: &mut Targets) -> Result<Work, Failure> 
     let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
     let log = input::open_source(&args.log, &options)?;
     if let OpenLog::Recording(recording) = &log.log {
-        tell_notes(recording);
+        print_notes(recording);
     }
     Ok(Work::Simulate(run::simulate::Task {
         plant,
@@ -238,7 +238,7 @@ fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
     (targets.json, targets.html) = (args.json.json, args.html.html);
     let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
     let log = input::log(&args.log)?;
-    tell_notes(&log);
+    print_notes(&log);
     Ok(Work::Compare {
         plant,
         log,
@@ -295,7 +295,7 @@ fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task,
         check: input::logs(&logs.check, logs)?,
         options: Options::of(logs, plant),
     };
-    task.logs.iter().chain(&task.check).for_each(tell_notes);
+    task.logs.iter().chain(&task.check).for_each(print_notes);
     Ok(task)
 }
 
@@ -304,7 +304,7 @@ fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Wo
     let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
     let plant = plant.knowing(&args.knowledge)?;
     let log = input::log(&args.log)?;
-    tell_notes(&log);
+    print_notes(&log);
     let usual_max_bar = Limits::usual_max_bar(&plant.parameters);
     let limits = Limits {
         duration_s: args.duration,
@@ -357,11 +357,11 @@ fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
 }
 
 /// Prints the notes on the log before the work begins.
-fn tell_notes(log: &Recording) {
-    tell(&print::log_notes(log, &Terminal::standard_error()));
+fn print_notes(log: &Recording) {
+    print_to_stderr(&print::log_notes(log, &Terminal::standard_error()));
 }
 
-fn tell(text: &str) {
+fn print_to_stderr(text: &str) {
     // A closed standard error is not a failure.
     let _ = anstream::stderr().write_all(text.as_bytes());
 }

@@ -16,7 +16,7 @@ fn rms_and_worst_mbar(a: &[f64], b: &[f64]) -> (f64, f64) {
 /// Twelve seconds of a bench log: the required accuracy of the default tolerance, 0.2 mbar rms and 8 mbar at worst,
 /// compared with a solver that shares only the right-hand side, at a much smaller tolerance.
 #[test]
-fn the_default_tolerance_keeps_its_promise_against_another_solver() {
+fn the_default_tolerance_meets_its_requirement_compared_with_another_solver() {
     let parameters = PlantParameters::nominal();
     let inputs = &bench_log::commands("practice-00-id")[..1200];
     let other = stiff_solver::simulate(&parameters, inputs, 1e-8).expect("the solver goes through");

@@ -79,7 +79,7 @@ impl Formula {
             .parse(text)
             .map_err(|error| FormulaError {
                 position: 1 + text[..error.offset()].chars().count(),
-                problem: told(error.inner(), &text[error.offset()..]),
+                problem: sentence(error.inner(), &text[error.offset()..]),
             })?;
         let mut signals = Vec::new();
         root.place(&mut signals);
@@ -191,7 +191,7 @@ fn check_size(text: &str) -> Result<(), FormulaError> {
 }
 
 /// Returns the parser's message as a sentence.
-fn told(error: &ContextError, rest: &str) -> String {
+fn sentence(error: &ContextError, rest: &str) -> String {
     let expected = error.context().find_map(|context| match context {
         StrContext::Expected(StrContextValue::Description(text)) => Some(*text),
         _ => None,

@@ -65,8 +65,8 @@ fn around(low: f64, high: f64) -> (f64, f64) {
 fn bins(span: f64, standard_deviation: f64, count: f64) -> usize {
     let width = 3.49 * standard_deviation / count.cbrt();
     // Values without spread get the fewest bins.
-    let wished = if width > 0.0 { span / width } else { 0.0 };
-    (wished as usize).clamp(*BINS.start(), *BINS.end())
+    let wanted = if width > 0.0 { span / width } else { 0.0 };
+    (wanted as usize).clamp(*BINS.start(), *BINS.end())
 }
 
 #[cfg(test)]

@@ -102,14 +102,14 @@ impl Job {
 
     /// Reports the progress (0 to 1), and returns whether to continue.
     pub(crate) fn goes_on(&self, share: f64) -> bool {
-        self.tell(None, share);
+        self.report(None, share);
         !self.is_cancelled()
     }
 
     /// Reports the progress of a diagnosis, which has stages and reports from several threads, and returns whether to
     /// continue.
     pub(crate) fn watch(&self, seen: diagnosis::Progress) -> ControlFlow<()> {
-        self.tell(Some(seen.stage), seen.done);
+        self.report(Some(seen.stage), seen.done);
         if self.is_cancelled() {
             ControlFlow::Break(())
         } else {
@@ -117,19 +117,19 @@ impl Job {
         }
     }
 
-    fn tell(&self, stage: Option<&'static str>, share: f64) {
+    fn report(&self, stage: Option<&'static str>, share: f64) {
         let step = |share: f64| (share * STEPS) as u64;
-        self.progress.send_if_modified(|told| {
+        self.progress.send_if_modified(|progress| {
             let Progress::Running {
                 stage: last,
                 share: before,
-            } = told
+            } = progress
             else {
                 return false;
             };
             let is_news = *last != stage || step(*before) != step(share);
             if is_news {
-                *told = Progress::Running { stage, share };
+                *progress = Progress::Running { stage, share };
             }
             is_news
         });
@@ -215,7 +215,7 @@ mod tests {
             assert!(matches!(last_of(&failing).await, Progress::Failed { .. }));
             let panicking = Job::start(|| (), |_| panic!("on purpose"));
             let Progress::Failed { problems } = last_of(&panicking).await else {
-                panic!("the panic was not told");
+                panic!("the panic was not reported");
             };
             assert_eq!(problems[0].code, "E-WEB-INTERNAL");
         });

@@ -164,11 +164,11 @@ fn canary(host: &Run) -> Result<(), Failure> {
         let found = Run::compare(host, &flipped);
         let right = match &found {
             Err(Difference::Bits {
-                name: told,
+                name: differing,
                 from,
                 until,
                 ..
-            }) => *told == name && (*from..*until).contains(&STEP),
+            }) => *differing == name && (*from..*until).contains(&STEP),
             _ => false,
         };
         if !right {

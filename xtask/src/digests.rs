@@ -279,18 +279,18 @@ config=scheme_2 steps=1500 digest=00000000000000bb
         let arm = HOST
             .replace("0000000000000002", "00000000000000ff")
             .replace("00000000000000bb", "00000000000000cc");
-        let told = compare(&arm).unwrap_err().to_string();
+        let message = compare(&arm).unwrap_err().to_string();
         let expected = "first in configuration `thesis`, steps 1024 to 2047: \
                         digest host 0000000000000002, ARM 00000000000000ff";
-        assert_eq!(told, expected);
+        assert_eq!(message, expected);
     }
 
     #[test]
     fn a_configuration_that_one_side_lacks_is_a_difference() {
         let (arm, _) = HOST.split_at(HOST.find("config=scheme_2").unwrap());
-        let told = compare(arm).unwrap_err().to_string();
+        let message = compare(arm).unwrap_err().to_string();
         assert_eq!(
-            told,
+            message,
             "in their configurations, host [thesis, scheme_2], ARM [thesis]"
         );
     }
@@ -298,9 +298,9 @@ config=scheme_2 steps=1500 digest=00000000000000bb
     #[test]
     fn fewer_steps_on_one_side_are_a_difference() {
         let arm = HOST.replace("steps=1500", "steps=1400");
-        let told = compare(&arm).unwrap_err().to_string();
+        let message = compare(&arm).unwrap_err().to_string();
         assert_eq!(
-            told,
+            message,
             "in the steps of configuration `scheme_2`, host 1500, ARM 1400"
         );
     }

@@ -157,9 +157,12 @@ mod tests {
     #[test]
     fn a_failed_program_is_named_with_its_status_and_its_last_words() {
         let failure = capture(&mut shell("echo why >&2; exit 3"), SOON).unwrap_err();
-        let told = failure.to_string();
-        assert!(told.contains("exit 3` ended with exit status: 3"), "{told}");
-        assert!(told.ends_with("| why"), "{told}");
+        let message = failure.to_string();
+        assert!(
+            message.contains("exit 3` ended with exit status: 3"),
+            "{message}"
+        );
+        assert!(message.ends_with("| why"), "{message}");
     }
 
     #[test]

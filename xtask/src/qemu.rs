@@ -51,7 +51,7 @@ pub(crate) fn run(image: &Path) -> Result<String, Failure> {
 }
 
 /// Request for the self-test: the word that the image reads after a reset (`firmware/src/boards/mps2_an386/pins.rs`).
-const WISH: &str = "loader,addr=0x21001040,data=0x74657374,data-len=4";
+const SELF_TEST_REQUEST: &str = "loader,addr=0x21001040,data=0x74657374,data-len=4";
 
 /// Creates the command of the machine, without window, monitor and serial line: the self-test prints and ends by
 /// semihosting.
@@ -60,6 +60,8 @@ fn command(image: &Path) -> Command {
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
     qemu.args(["-nographic", "-monitor", "none", "-serial", "none"]);
     qemu.args(["-semihosting-config", "enable=on,target=native"]);
-    qemu.args(["-device", WISH]).arg("-kernel").arg(image);
+    qemu.args(["-device", SELF_TEST_REQUEST])
+        .arg("-kernel")
+        .arg(image);
     qemu
 }

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn each_failure_is_told_under_the_table_with_its_step() {
+    fn each_failure_is_listed_under_the_table_with_its_step() {
         let text = report().to_string();
         assert!(text.contains("mortar  not run"), "{text}");
         assert!(

@@ -14,8 +14,8 @@ pub(crate) fn root() -> PathBuf {
 
 /// Returns cargo's target folder for the host.
 pub(crate) fn target_dir() -> PathBuf {
-    let told = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    root().join(told)
+    let folder = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    root().join(folder)
 }
 
 /// Returns the target folder of the ARM image: a separate one, so that neither build waits for the other's lock or

@@ -68,7 +68,7 @@ mod tests {
     fn settled(opening: Output) -> (OffsetDetector, Valves) {
         let mut valves = Valves::UNKNOWN;
         for _ in 0..40 {
-            valves.told(&bench_limits(), opening);
+            valves.record(&bench_limits(), opening);
         }
         (OffsetDetector::NEW, valves)
     }

@@ -170,7 +170,7 @@ mod tests {
             };
             let mut valves = Valves::UNKNOWN;
             for _ in 0..40 {
-                valves.told(&bench_limits(), opening);
+                valves.record(&bench_limits(), opening);
             }
             let mut command = Self {
                 detector: ResponseDetector::NEW,

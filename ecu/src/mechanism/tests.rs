@@ -1,4 +1,4 @@
-//! Test of each mechanism against an ECU without it: the removal has a visible effect.
+//! Comparison of each mechanism with an ECU without it: the removal has a visible effect.
 
 use super::{Damage, Mechanism};
 use crate::bench::Bench;

@@ -183,7 +183,7 @@ fn a_reset_after_the_fault_keeps_what_there_is() {
 
 /// A reset after each of the words of a record: only that record is missing.
 #[test]
-fn a_record_torn_by_a_reset_is_told_from_a_whole_one() {
+fn a_record_torn_by_a_reset_is_distinguished_from_a_whole_one() {
     for recorded in [5, RECORDS as u32 + 5] {
         let mut memory: Memory = [0; WORDS];
         let mut black_box = BlackBox::adopt(&mut memory[..], ResetCause::PowerOn);

@@ -15,7 +15,7 @@ pub(crate) struct Rig {
     pub(crate) fill_stuck_at: Option<f64>,
     pub(crate) vent_stuck_at: Option<f64>,
     /// Commands of the previous sample, which the valves follow in this one (%).
-    told: [f64; 2],
+    commanded_pct: [f64; 2],
 }
 
 /// Rates of the nominal plant, per sample.
@@ -27,7 +27,7 @@ const SAMPLES_MAX: u32 = 30_000;
 
 impl Rig {
     fn advance(&mut self, opening_pct: [f64; 2]) {
-        let [fill_pct, vent_pct] = core::mem::replace(&mut self.told, opening_pct);
+        let [fill_pct, vent_pct] = core::mem::replace(&mut self.commanded_pct, opening_pct);
         let opening = |duty_pct: f64| ((duty_pct - 25.0) / 50.0).clamp(0.0, 1.0);
         let fill = self.fill_stuck_at.unwrap_or(opening(fill_pct));
         let vent = self.vent_stuck_at.unwrap_or(opening(vent_pct));
@@ -67,7 +67,7 @@ impl Bench {
                 supply_bar: 8.4,
                 fill_stuck_at: None,
                 vent_stuck_at: None,
-                told: [0.0; 2],
+                commanded_pct: [0.0; 2],
             },
             reference_bar: 0.0,
             vent_valve,

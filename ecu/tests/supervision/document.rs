@@ -79,8 +79,11 @@ fn each_nominal_setting_is_the_one_of_the_page() {
     for (name, row) in &rows {
         let id = SettingId::named(name).unwrap_or_else(|| panic!("no setting {name}"));
         let found = f64::from(nominal.get(id)) / 65_536.0;
-        let told: f64 = row[0].parse().unwrap();
-        assert!((found - told).abs() < 1e-4, "{name}: {found}, told {told}");
+        let on_page: f64 = row[0].parse().unwrap();
+        assert!(
+            (found - on_page).abs() < 1e-4,
+            "{name}: {found}, on the page {on_page}"
+        );
     }
     assert_eq!(rows.len(), 12);
 }
@@ -115,8 +118,8 @@ fn a_fill_valve_stuck_open_leaves_the_pressure_that_the_page_says() {
             high = middle
         }
     }
-    let told = format!("stays at {:.1} bar of a supply of 8.4 bar", low - ambient);
-    assert!(PAGE.contains(&told), "{told}");
+    let sentence = format!("stays at {:.1} bar of a supply of 8.4 bar", low - ambient);
+    assert!(PAGE.contains(&sentence), "{sentence}");
 }
 
 /// Tests and files that the page names exist.

@@ -104,7 +104,7 @@ fn after_the_safe_state_the_reference_has_to_be_at_zero_first() {
     assert_eq!(bench.ecu.mode(), Mode::Waiting);
     assert!(
         bench.has(Fault::FillCoilShort),
-        "it is told until running begins"
+        "it is reported until running begins"
     );
     for _ in 0..1000 {
         bench.step();
@@ -219,7 +219,7 @@ fn a_lock_is_released_when_nothing_is_wrong_and_nothing_asked_for() {
     assert_eq!(bench.ecu.mode(), Mode::Waiting);
     assert!(
         bench.has(Fault::SampleTime),
-        "it is told until running begins"
+        "it is reported until running begins"
     );
     bench.steps(9);
     assert_eq!(

@@ -73,7 +73,7 @@ fn a_controller_that_was_set_up_to_may_drive_both_valves() {
 }
 
 #[test]
-fn telemetry_tells_mode_faults_signal_and_state() {
+fn telemetry_contains_mode_faults_signal_and_state() {
     let mut bench = Bench::at(1.0);
     bench.reference_bar = 5.0;
     bench.step();
@@ -119,7 +119,7 @@ fn the_digest_is_that_of_everything_a_sample_leaves() {
 }
 
 #[test]
-fn a_new_ecu_tells_its_mode_and_cause() {
+fn a_new_ecu_reports_its_mode_and_cause() {
     let config = EcuConfig::new(&EcuSettings::bench()).unwrap();
     let ecu = Ecu::new(config, ResetCause::Brownout);
     assert_eq!(ecu.mode(), Mode::Waiting);

@@ -7,7 +7,7 @@ use ecu::calibration::SettingValues;
 use ecu::store::RamFlash;
 use ecu::{Inputs, Outputs, safe_outputs};
 use firmware::{
-    BLACK_BOX_WORDS, Board, Event, Image, Life, Pace, RETAINED_WORDS, Received, Retained,
+    BLACK_BOX_WORDS, Board, Event, Image, NextAction, Pace, RETAINED_WORDS, Received, Retained,
 };
 use hil_protocol::{
     FRAME_MAX, HostSession, Identity, LogBytes, Reply, Request, ResetCause, Sensors, SignalIds,
@@ -226,7 +226,7 @@ impl<'a> Machine<'a> {
     /// Advances to the next tick and runs one turn of the main loop.
     pub(crate) fn tick(&mut self) {
         self.board().tick();
-        assert_eq!(self.image.turn(), Life::GoesOn);
+        assert_eq!(self.image.turn(), NextAction::Continue);
         self.hear();
     }
 

@@ -2,7 +2,7 @@
 
 use ecu::EcuSettings;
 use ecu::calibration::SettingValues;
-use firmware::{Event, Life, Pace, ResetReason, Retained};
+use firmware::{Event, NextAction, Pace, ResetReason, Retained};
 use hil_protocol::{BlackBoxStatus, Reply, Request, ResetCause, SettingsSource};
 
 use crate::bench::{Deed, Memory};
@@ -41,7 +41,7 @@ fn a_cold_start_says_that_the_supply_came_and_that_nothing_was_saved() {
 
 /// The handlers of panic, fault and watchdog store their reason and reset the machine.
 #[test]
-fn the_next_life_tells_why_the_last_one_ended() {
+fn the_next_life_reports_why_the_last_one_ended() {
     for (reset_reason, cause) in [
         (ResetReason::Panic { line: 42 }, ResetCause::Panic),
         (ResetReason::Exception { pc: 0x1234 }, ResetCause::Exception),
@@ -67,11 +67,11 @@ fn a_reset_by_request_waits_until_its_answer_has_left_with_the_coils_off() {
     machine.board().deeds.clear();
     machine.board().tick();
     for _ in 0..3 {
-        assert_eq!(machine.image.turn(), Life::GoesOn);
+        assert_eq!(machine.image.turn(), NextAction::Continue);
     }
     assert_eq!(machine.board().deeds, [Deed::CoilsOff; 3]);
     machine.board().is_sending = false;
-    assert_eq!(machine.image.turn(), Life::Ends);
+    assert_eq!(machine.image.turn(), NextAction::Reset);
     let identity = memory.start().hello(false);
     assert_eq!(
         (identity.reset_cause, identity.boot),

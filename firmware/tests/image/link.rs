@@ -31,12 +31,12 @@ fn signals_of_ecu_and_image_come_with_each_sample_in_the_order_they_were_asked_f
         let _ = machine.image.turn();
     }
     machine.ask(&Request::Counters);
-    let told = machine.unsolicited.iter().map(|reply| match reply {
+    let found = machine.unsolicited.iter().map(|reply| match reply {
         Reply::Measured { sample, values } => (*sample, values.to_vec()),
         other => panic!("{other:?}"),
     });
-    let told: Vec<_> = told.collect();
-    assert_eq!(told, [(0, vec![3, 0, 0, 127]), (1, vec![40, 1, 0, 127])]);
+    let found: Vec<_> = found.collect();
+    assert_eq!(found, [(0, vec![3, 0, 0, 127]), (1, vec![40, 1, 0, 127])]);
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn where_a_host_sets_the_pace_no_sample_is_late() {
 }
 
 #[test]
-fn each_start_of_the_logic_is_told_with_its_first_mode() {
+fn each_start_of_the_logic_is_logged_with_its_first_mode() {
     let mut memory = Memory::cold();
     let mut machine = memory.start();
     machine.hello(true);
@@ -109,13 +109,13 @@ fn each_start_of_the_logic_is_told_with_its_first_mode() {
     machine.done(&Request::Restart { cause });
     machine.samples(3, 3);
     let events = machine.board().events.iter();
-    let told: Vec<u32> = events
+    let logged: Vec<u32> = events
         .filter_map(|event| match event {
             Event::Supervisor { sample, .. } => Some(*sample),
             _ => None,
         })
         .collect();
-    assert_eq!(told, [0, 3]);
+    assert_eq!(logged, [0, 3]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --release -p hil-harness --example campaign                              # 2000 runs
-//! cargo run --release -p hil-harness --example campaign -- --runs 100000 --seed 7    # what docs/evidence.md tells
+//! cargo run --release -p hil-harness --example campaign -- --runs 100000 --seed 7    # as in docs/evidence.md
 //! cargo run --release -p hil-harness --example campaign -- --class sensor/stuck      # one class
 //! cargo run --release -p hil-harness --example campaign -- --reproduce '<line>'      # one run, sample by sample
 //! cargo run --release -p hil-harness --example campaign -- --dut qemu --runs 100     # the image; --image names its ELF file

@@ -37,9 +37,9 @@ pub(crate) fn print(injection: &Injection, target: &mut dyn Target) -> Result<u3
     println!(
         "{}",
         if outcome.violations.is_empty() {
-            "every promise was kept"
+            "every requirement was met"
         } else {
-            "a promise was broken"
+            "a requirement was violated"
         }
     );
     Ok(u32::from(!outcome.violations.is_empty()))

@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p hil-harness --example false_alarms              # 120 000 samples
-//! cargo run --release -p hil-harness --example false_alarms 10000000     # what docs/safety.md tells
+//! cargo run --release -p hil-harness --example false_alarms 10000000     # as in docs/safety.md
 //! ```
 //!
 //! Rigs of six kinds (both orifices, chambers of 50, 75 and 125 cm³) with the scatter of the bench, batteries from 22
@@ -40,7 +40,7 @@ fn on_all_cores(rigs: u32) -> Alarms {
     let threads = thread::available_parallelism().map_or(1, |threads| threads.get() as u32);
     let share = rigs.div_ceil(threads);
     let done = AtomicU32::new(0);
-    let tell = || {
+    let report = || {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         if done.is_multiple_of(100) {
             eprintln!("{done} of {rigs} rigs");
@@ -48,7 +48,7 @@ fn on_all_cores(rigs: u32) -> Alarms {
     };
     let run = |part: u32| {
         let from = (part * share).min(rigs);
-        soak(SEED, from, share.min(rigs - from), RIG_SAMPLES, tell)
+        soak(SEED, from, share.min(rigs - from), RIG_SAMPLES, report)
     };
     let parts: Vec<Alarms> = thread::scope(|scope| {
         let parts: Vec<_> = (0..threads)

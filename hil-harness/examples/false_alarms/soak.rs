@@ -85,12 +85,12 @@ pub(crate) fn soak(
     from: u32,
     count: u32,
     samples: u32,
-    mut tell: impl FnMut(),
+    mut report: impl FnMut(),
 ) -> Alarms {
     let mut alarms = Alarms::default();
     for rig in from..from + count {
         alarms = alarms.with(&Rig::new(seed, rig).run(rig, samples));
-        tell();
+        report();
     }
     alarms
 }

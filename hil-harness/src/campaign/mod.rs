@@ -43,7 +43,7 @@ pub use fault::link::LinkFault;
 pub use fault::plant::PlantFault;
 pub use fault::sensor::SensorFault;
 pub use injection::{Injection, InjectionError};
-pub use oracle::{Observation, Oracle, Promise, Violation};
+pub use oracle::{CampaignRequirement, Observation, Oracle, Violation};
 pub use run::{CampaignError, Outcome, run, run_watched};
 pub use summary::Summary;
 pub use target::{Accident, Damage, InProcessTarget, Reaction, Target};

@@ -38,7 +38,7 @@ impl Outcome {
     pub fn is_unsafe(&self) -> bool {
         self.violations
             .iter()
-            .any(|violation| violation.promise.is_safety())
+            .any(|violation| violation.requirement.is_safety())
     }
 
     /// Returns whether the loop stayed safe but did not recover.

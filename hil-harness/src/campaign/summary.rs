@@ -112,7 +112,7 @@ impl fmt::Display for Summary {
         }
         write!(
             f,
-            "{} runs, {} samples, {} runs broke a promise",
+            "{} runs, {} samples, {} runs violated a requirement",
             self.runs(),
             self.samples,
             self.failed()

@@ -1,5 +1,5 @@
-//! Checkers of a recording against the requirement, independent of the code that made it. A bench log with the same
-//! signals is judged in the same way.
+//! Checkers that compare a recording with the requirement, independent of the code that made it. A bench log with the
+//! same signals is judged in the same way.
 //!
 //! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`. With `actuations_fill` and `actuations_vent` (counted from the
 //! start) the number of valve movements is judged, too.

@@ -1,4 +1,4 @@
-//! Each checker against hand-made recordings: at its limit, one unit below and one unit above.
+//! Each checker with hand-made recordings: at its limit, one unit below and one unit above.
 
 use recording::{Provenance, Recording, TimeBase, Unit};
 

@@ -179,7 +179,7 @@ fn every_mistake_is_named_with_its_line_and_what_to_do() {
 }
 
 #[test]
-fn all_problems_are_told_at_once_in_the_order_of_the_file() {
+fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
     let text =
         thesis_with("gain_pct_per_bar", "gain_pct_per_bar = \"x\"").replace("scheme_1", "scheme_9");
     let error = read(&text, "C.toml").unwrap_err();

@@ -76,7 +76,7 @@ fn a_hang_is_an_error_with_the_last_lines_of_the_log() {
 }
 
 #[test]
-fn the_log_is_decoded_and_tells_of_the_start_and_of_a_change_of_mode() {
+fn the_log_is_decoded_and_has_the_start_and_a_change_of_mode() {
     let mut device = started(Wire::Mailbox);
     let log = run(&short_scenario(), &mut device).unwrap().log;
     let text = log.join("\n");

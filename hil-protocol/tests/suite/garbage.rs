@@ -3,7 +3,7 @@
 use hil_protocol::{DeviceSession, HostSession, Request};
 use proptest::prelude::*;
 
-use crate::promise;
+use crate::properties;
 use crate::stepper::Stepper;
 
 proptest! {
@@ -31,6 +31,6 @@ proptest! {
 
     #[test]
     fn any_mix_of_sound_damaged_and_forged_frames_is_survived(script in prop::collection::vec(any::<u8>(), 0..400)) {
-        promise::sessions(&script);
+        properties::sessions(&script);
     }
 }

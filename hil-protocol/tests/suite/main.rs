@@ -6,8 +6,8 @@ mod garbage;
 mod link;
 mod mailbox;
 mod messages;
-#[path = "../promise/mod.rs"]
-mod promise;
+#[path = "../properties/mod.rs"]
+mod properties;
 mod sessions;
 mod stepper;
 mod worked_example;

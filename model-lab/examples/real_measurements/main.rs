@@ -17,7 +17,7 @@ fn main() {
     let writes = std::env::args().any(|argument| argument == "--write");
     for rig in &RIGS {
         let outcomes = rig.outcomes();
-        tell(rig, &outcomes);
+        print(rig, &outcomes);
         let [first, .., last] = &outcomes[..] else {
             panic!("{}: at least two models", rig.name);
         };
@@ -30,7 +30,7 @@ fn main() {
     }
 }
 
-fn tell(rig: &Rig, outcomes: &[Outcome]) {
+fn print(rig: &Rig, outcomes: &[Outcome]) {
     println!("\n{}", rig.title);
     for outcome in outcomes {
         print!("  {:34}", outcome.model);

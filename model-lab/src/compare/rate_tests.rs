@@ -67,7 +67,7 @@ fn a_fast_pressure_and_slow_commands_leave_the_noise() {
 
 /// Commands of a millisecond logger determine its clock, whatever the rate of the other signals.
 #[test]
-fn fast_commands_tell_the_clock_of_slow_signals() {
+fn fast_commands_determine_the_clock_of_slow_signals() {
     let (comparison, errors) = compared(&[
         (DUTY_CYCLES, 1e-3, 0.0),
         (&["p_ch"], 0.02, 7e-3),

@@ -11,7 +11,7 @@ use crate::bench::Bench;
 use crate::result::{Comparison, Horizon, LimitFrom, RegimeBin, SignalComparison, StartFrom};
 use crate::{CompareError, CompareOptions, compare, compare_watched};
 
-fn against_nominal(log: &Recording) -> Comparison {
+fn compare_nominal(log: &Recording) -> Comparison {
     compare(&PlantParameters::nominal(), log, &CompareOptions::default()).unwrap()
 }
 
@@ -39,26 +39,26 @@ fn bin<'a>(signal: &'a SignalComparison, dimension: &str, label: &str) -> &'a Re
 }
 
 #[test]
-fn whoever_watches_is_told_every_share_in_order_and_can_end_it() {
+fn whoever_watches_gets_every_share_in_order_and_can_end_it() {
     let bench = Bench::default();
     let log = bench.measure();
-    let told = RefCell::new(Vec::new());
+    let shares = RefCell::new(Vec::new());
     let run = |last: f64| {
-        told.borrow_mut().clear();
+        shares.borrow_mut().clear();
         let goes_on = |share| {
-            told.borrow_mut().push(share);
+            shares.borrow_mut().push(share);
             share < last
         };
         compare_watched(&bench.plant, &log, &CompareOptions::default(), &goes_on)
     };
-    assert_eq!(run(2.0).unwrap(), against(&bench.plant, &log));
-    assert!(told.borrow().is_sorted() && told.borrow().len() > 10);
-    assert!(*told.borrow().last().unwrap() > 0.95);
+    assert_eq!(run(2.0).unwrap(), compared(&bench.plant, &log));
+    assert!(shares.borrow().is_sorted() && shares.borrow().len() > 10);
+    assert!(*shares.borrow().last().unwrap() > 0.95);
     assert_eq!(run(0.4).unwrap_err(), CompareError::Stopped);
-    assert!(*told.borrow().last().unwrap() < 0.5);
+    assert!(*shares.borrow().last().unwrap() < 0.5);
 }
 
-fn against(plant: &PlantParameters, log: &Recording) -> Comparison {
+fn compared(plant: &PlantParameters, log: &Recording) -> Comparison {
     compare(plant, log, &CompareOptions::default()).unwrap()
 }
 
@@ -88,7 +88,7 @@ fn changed(
 
 #[test]
 fn the_true_model_holds_at_the_noise_floor_and_leaves_nothing_to_find() {
-    let comparison = against_nominal(&Bench::default().measure());
+    let comparison = compare_nominal(&Bench::default().measure());
     assert!(comparison.verdict.holds, "{:?}", comparison.verdict);
     assert_eq!(comparison.signals.len(), 3);
     for signal in &comparison.signals {
@@ -136,7 +136,7 @@ fn innovations_of_the_true_model_have_the_rms_that_theory_gives() {
 
 #[test]
 fn a_small_fill_orifice_leaves_the_excess_in_filling_where_measured_is_lower() {
-    let comparison = against_nominal(&rig_with("flow.discharge_fill", 0.95 * 0.8).measure());
+    let comparison = compare_nominal(&rig_with("flow.discharge_fill", 0.95 * 0.8).measure());
     let pressure = signal(&comparison, "p_ch");
     let filling = bin(pressure, "valve_state", "filling");
     assert!(excess_share(filling) > 0.9, "{filling:?}");
@@ -154,7 +154,7 @@ fn a_small_fill_orifice_leaves_the_excess_in_filling_where_measured_is_lower() {
 
 #[test]
 fn free_run_shares_smear_into_holds_and_one_step_ahead_shares_do_not() {
-    let comparison = against_nominal(&rig_with("flow.discharge_vent", 0.97 * 1.2).measure());
+    let comparison = compare_nominal(&rig_with("flow.discharge_vent", 0.97 * 1.2).measure());
     let shut = bin(
         signal(&comparison, "p_ch"),
         "valve_state",
@@ -170,7 +170,7 @@ fn a_leak_leaves_most_of_the_excess_in_holds() {
         leak_per_s: 0.2,
         ..Bench::default()
     };
-    let comparison = against_nominal(&bench.measure());
+    let comparison = compare_nominal(&bench.measure());
     let pressure = signal(&comparison, "p_ch");
     let shut = bin(pressure, "valve_state", "both valves shut");
     assert!(excess_share(shut) > 0.6, "{shut:?}");
@@ -187,7 +187,7 @@ fn a_leak_leaves_most_of_the_excess_in_holds() {
 fn a_late_rig_is_found_to_lag_within_a_third_of_a_millisecond() {
     for late_ms in [-3.0, 1.5, 3.0] {
         let comparison =
-            against_nominal(&rig_with("ecu.command_delay_s", 0.015 + late_ms * 1e-3).measure());
+            compare_nominal(&rig_with("ecu.command_delay_s", 0.015 + late_ms * 1e-3).measure());
         for signal in &comparison.signals {
             let offset = signal.time_offset.as_ref().unwrap();
             assert!(
@@ -206,7 +206,7 @@ fn a_late_rig_is_found_to_lag_within_a_third_of_a_millisecond() {
 
 #[test]
 fn a_hot_coil_is_found_under_current_and_not_in_the_pressure_ratio() {
-    let comparison = against_nominal(&rig_with("coil.resistance_20c_ohm", 82.2 * 1.1).measure());
+    let comparison = compare_nominal(&rig_with("coil.resistance_20c_ohm", 82.2 * 1.1).measure());
     let current = signal(&comparison, "i_fill");
     assert!(comparison.verdict.failing.contains(&"i_fill".to_owned()));
     assert!(excess_share(bin(current, "duty_band", "0 %")) < 0.2);
@@ -222,7 +222,7 @@ fn a_hot_coil_is_found_under_current_and_not_in_the_pressure_ratio() {
 
 #[test]
 fn shares_of_every_dimension_sum_to_the_whole() {
-    let comparison = against_nominal(&rig_with("flow.discharge_fill", 0.76).measure());
+    let comparison = compare_nominal(&rig_with("flow.discharge_fill", 0.76).measure());
     for signal in &comparison.signals {
         for regime in &signal.regimes {
             let samples: usize = regime.bins.iter().map(|bin| bin.samples).sum();
@@ -254,7 +254,7 @@ fn a_log_that_begins_under_pressure_starts_the_model_there() {
         initial_bar: 3.0,
         ..Bench::default()
     };
-    let comparison = against_nominal(&bench.measure());
+    let comparison = compare_nominal(&bench.measure());
     assert_eq!(comparison.start.from, StartFrom::Measurement);
     assert!(
         (comparison.start.pressure_bar_gauge - 3.0).abs() < 2e-3,
@@ -267,7 +267,7 @@ fn a_log_that_begins_under_pressure_starts_the_model_there() {
         signal(&comparison, "p_ch").free_run
     );
     assert_eq!(
-        against_nominal(&Bench::default().measure()).start.from,
+        compare_nominal(&Bench::default().measure()).start.from,
         StartFrom::Rest
     );
 }
@@ -284,7 +284,7 @@ fn missing_samples_are_counted_and_left_out() {
         }
         Some((unit, samples))
     });
-    let comparison = against_nominal(&log);
+    let comparison = compare_nominal(&log);
     let pressure = signal(&comparison, "p_ch");
     assert_eq!(pressure.compared + pressure.missing, comparison.samples);
     assert_eq!(pressure.missing, (comparison.samples - 3).div_ceil(5));
@@ -306,7 +306,7 @@ fn a_pressure_logged_as_kilopascal_absolute_gives_the_same_comparison() {
             _ => (unit, samples),
         })
     });
-    let (gauge, absolute) = (against_nominal(&log), against_nominal(&absolute));
+    let (gauge, absolute) = (compare_nominal(&log), compare_nominal(&absolute));
     let rms = [&gauge, &absolute].map(|comparison| signal(comparison, "p_ch").free_run.rms);
     assert!((rms[0] / rms[1] - 1.0).abs() < 1e-9, "{rms:?}");
     assert_eq!(signal(&absolute, "p_ch").unit, "bar");
@@ -317,7 +317,7 @@ fn without_pressure_there_is_a_free_run_only() {
     let log = changed(&Bench::default().measure(), |name, unit, samples| {
         (name != "p_ch").then_some((unit, samples))
     });
-    let comparison = against_nominal(&log);
+    let comparison = compare_nominal(&log);
     assert_eq!(comparison.predictor, None);
     assert!(
         comparison
@@ -336,7 +336,7 @@ fn without_a_hold_the_verdict_is_open_until_a_tolerance_is_given() {
         ..Bench::default()
     };
     let log = bench.measure();
-    let comparison = against_nominal(&log);
+    let comparison = compare_nominal(&log);
     let pressure = signal(&comparison, "p_ch");
     assert_eq!(
         (pressure.holds, pressure.limit_from),
@@ -431,7 +431,7 @@ fn signals_that_stay_out_are_named_with_the_reason() {
     let count = log.signals()[0].len();
     log.add_signal("x_vent", Unit::Millimetre, id, vec![f64::NAN; count])
         .unwrap();
-    let not_compared = against_nominal(&log).not_compared;
+    let not_compared = compare_nominal(&log).not_compared;
     let names: Vec<&str> = not_compared.iter().map(|signal| &signal.name[..]).collect();
     assert_eq!(names, ["x_fill", "x_vent"]);
     assert!(not_compared[0].reason.contains("expected a unit"));
@@ -447,7 +447,7 @@ fn a_log_of_one_sample_is_compared_without_panic() {
         .unwrap();
     log.add_signal("p_ch", Unit::BarGauge, id, vec![2.0])
         .unwrap();
-    let comparison = against_nominal(&log);
+    let comparison = compare_nominal(&log);
     assert_eq!(
         (comparison.samples, comparison.sample_interval_s),
         (1, None)
@@ -465,7 +465,7 @@ fn the_free_run_has_the_commands_that_drove_it() {
         }
         Some((unit, samples))
     });
-    let run = against_nominal(&log).traces.free_run;
+    let run = compare_nominal(&log).traces.free_run;
     let driven = |name: &str| run.signal(name).unwrap().shared_values();
     let logged = |name: &str| log.signal(name).unwrap().shared_values();
     assert!(logged("duty_fill")[105].is_nan());
@@ -480,12 +480,12 @@ fn the_free_run_has_the_commands_that_drove_it() {
 #[test]
 fn equal_input_gives_an_equal_comparison() {
     let log = rig_with("flow.discharge_fill", 0.8).measure();
-    assert!(against_nominal(&log) == against_nominal(&log));
+    assert!(compare_nominal(&log) == compare_nominal(&log));
 }
 
 #[test]
 fn json_returns_as_it_was_and_refuses_unknown_fields() {
-    let mut comparison = against_nominal(&rig_with("flow.discharge_fill", 0.8).measure());
+    let mut comparison = compare_nominal(&rig_with("flow.discharge_fill", 0.8).measure());
     let text = serde_json::to_string(&comparison).unwrap();
     comparison.traces = Default::default();
     // No assert_eq: it would print both.
@@ -511,7 +511,7 @@ fn golden_comparison_is_as_blessed() {
     let log = changed(&bench.measure(), |name, unit, samples| {
         (!name.starts_with("i_")).then_some((unit, samples))
     });
-    let mut value = serde_json::to_value(against_nominal(&log)).unwrap();
+    let mut value = serde_json::to_value(compare_nominal(&log)).unwrap();
     round(&mut value);
     check_golden("comparison.json", &(folded(&value, 0) + "\n"));
 }

@@ -400,7 +400,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                 })
                 .count();
             format!(
-                "nothing detectable is missing; these logs would have shown {shown} of {} effects above the sizes listed",
+                "nothing detectable is missing; {shown} of {} effects have a detection limit on these logs",
                 candidates.len()
             )
         }

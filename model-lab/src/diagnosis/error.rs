@@ -4,7 +4,7 @@ use plant_sim::parameters::{Part, effects_meant};
 
 use super::knowledge::KnowledgeError;
 use crate::error::CompareError;
-use crate::measured::WEIGHED;
+use crate::measured::FITTED_SIGNALS;
 
 /// Reason why a diagnosis cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -35,10 +35,10 @@ pub enum DiagnoseError {
     },
     /// No signal has a noise that can be estimated.
     #[error(
-        "{log}: neither the chamber pressure nor a coil current changes, so that nothing can be weighed; \
+        "{log}: neither the chamber pressure nor a coil current changes, so that nothing can be fitted; \
          log p_ch, i_fill or i_vent with commands that move the valves"
     )]
-    NothingToWeigh {
+    NothingToFit {
         /// Source of the log.
         log: String,
     },
@@ -153,7 +153,7 @@ pub enum DiagnoseError {
 /// Returns the signals of a diagnosis that no log has.
 fn unlogged(logged: &[String]) -> Vec<&'static str> {
     let is_absent = |signal: &&str| logged.iter().all(|one| one != signal);
-    WEIGHED.into_iter().filter(is_absent).collect()
+    FITTED_SIGNALS.into_iter().filter(is_absent).collect()
 }
 
 /// Returns a suggestion of the id that may have been meant.

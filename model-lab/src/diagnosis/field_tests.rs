@@ -65,7 +65,7 @@ fn three_effects_are_named_together() {
 /// Rows as far apart as the samples of the ECU show the clock only through the model. A clock that was found without the sensor's lag
 /// absorbs it.
 #[test]
-fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
+fn a_sensor_lag_is_distinguished_from_the_clock_of_a_slow_logger() {
     let lag = EffectSetting::typical(by_id("sensor_lag").unwrap());
     let mut given = PlantParameters::nominal();
     // A delay that compensates for the lag, as a fit without the lag finds.
@@ -92,7 +92,7 @@ fn a_sensor_lag_is_told_from_the_clock_of_a_slow_logger() {
 /// Means over a row of 1.7 ms look like instantaneous values half a row earlier, and so does the jump of a current that eddy currents
 /// cause. Without eddy currents, instantaneous values fit better, and with that choice no effect is found.
 #[test]
-fn eddy_currents_are_told_from_currents_of_an_instant() {
+fn eddy_currents_are_distinguished_from_currents_of_an_instant() {
     let eddy = EffectSetting::typical(by_id("eddy_currents").unwrap());
     let plant = PlantParameters::nominal().with_effect(eddy.with("loop_resistance_ohm", 320.0));
     let logs = [(8.9e-3, 1), (4.7e-3, 2)].map(|(phase_s, seed)| {
@@ -104,7 +104,7 @@ fn eddy_currents_are_told_from_currents_of_an_instant() {
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["eddy_currents"]);
     for clock in &diagnosis.clocks {
-        let told = "currents are taken for means since the row before";
-        assert!(clock.statement.ends_with(told), "{}", clock.statement);
+        let end = "currents are taken for means since the row before";
+        assert!(clock.statement.ends_with(end), "{}", clock.statement);
     }
 }

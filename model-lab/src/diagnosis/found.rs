@@ -1,10 +1,10 @@
 //! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
 //!
-//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise,
-//! the plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a
-//! warm coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values
-//! are the answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening leaves an error,
-//! effects are looked for within the file's ranges.
+//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise, the
+//! plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a warm
+//! coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values are the
+//! answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening
+//! leaves an error, effects are looked for within the file's ranges.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
@@ -34,7 +34,7 @@ pub(crate) fn find(
 ) -> Result<Selection, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
     let adequate = wide.filter(Trial::leaves_little);
-    let found = climb_from(split, plant, library, plain.clone(), watch)?;
+    let found = select_from(split, plant, library, plain.clone(), watch)?;
     if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
         let outside = assemble::outside(&plain, &wide);
         let mut values = outside.iter().map(|value| (&value.name, value.value));
@@ -44,7 +44,7 @@ pub(crate) fn find(
             return Ok(found.or(wide));
         }
         let rival = is_as_good.then(|| found.last().clone());
-        let wide = climb_from(split, plant, library, wide, watch)?;
+        let wide = select_from(split, plant, library, wide, watch)?;
         return Ok(wide.beyond(plain, rival));
     }
     Ok(found)
@@ -59,8 +59,8 @@ fn widened(bench: &Bench, plain: &Trial, watch: Watch) -> Result<Option<Trial>, 
     Ok(bench.widened(plain))
 }
 
-/// Climbs from `plain`. The best single effect may show clocks and commands of the logs that `plain` did not.
-fn climb_from(
+/// Selects effects on top of `plain`. The best single effect may show clocks and commands of the logs that `plain` did not.
+fn select_from(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
@@ -96,13 +96,13 @@ fn climb_from(
         (plain, singles) = other;
     }
     let bench = split.bench(plant, library);
-    let found = selection::climb(&bench, plain, singles, watch)?;
+    let found = selection::forward_selection(&bench, plain, singles, watch)?;
     if found.verdict() != Verdict::NotInLibrary {
         return Ok(found);
     }
     let plain = &found.steps[0];
     match finish_begun(&bench, plain, &found.singles, watch)? {
-        Some(singles) => selection::climb(&bench, plain.clone(), singles, watch),
+        Some(singles) => selection::forward_selection(&bench, plain.clone(), singles, watch),
         None => Ok(found),
     }
 }

@@ -66,7 +66,7 @@ fn an_error_near_the_noise_does_not_show_that_physics_is_missing() {
 
 /// Defect seen: an orifice 30 % smaller than in the plant file was named a restriction, or nothing was named.
 #[test]
-fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
+fn a_plant_file_that_is_wrong_is_reported_and_no_effect_is_named() {
     let rig = bench(|plant| plant.flow.discharge_fill *= 0.7);
     let diagnosis = diagnosed(&PlantParameters::nominal(), rig.measure());
     let said = &diagnosis.sentence;
@@ -96,7 +96,7 @@ fn a_plant_file_that_is_wrong_is_told_and_no_effect_is_named() {
 /// Defect seen: values of a first plant file were so wrong that iron saturation, which compensates for a wrong force, was named beside the
 /// leak.
 #[test]
-fn a_leak_is_told_beside_a_first_file_that_is_far_off() {
+fn a_leak_is_named_beside_a_first_file_that_is_far_off() {
     let mut plant = PlantParameters::nominal();
     plant.flow.discharge_fill *= 0.75;
     plant.flow.discharge_vent *= 0.75;
@@ -179,7 +179,7 @@ fn an_error_that_is_not_needed_counts_as_noise() {
 
 /// A narrow fitting and a narrower orifice look alike: the answer is the value, and the fitting is reported.
 #[test]
-fn what_explains_as_much_as_a_wrong_value_is_told() {
+fn what_explains_as_much_as_a_wrong_value_is_listed() {
     let outside = OutsideValue {
         name: "flow.discharge_fill".to_owned(),
         unit: String::new(),

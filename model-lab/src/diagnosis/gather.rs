@@ -19,7 +19,7 @@ pub(super) fn gather<'a>(
     let mut noise = SensorNoise::default();
     let read = logs.into_iter().map(|log| {
         let read = Read::of(parameters, log)?;
-        read.tell(&mut noise);
+        read.add_noise_to(&mut noise);
         Ok((log, read))
     });
     let read = read.collect::<Result<Vec<_>, DiagnoseError>>()?;

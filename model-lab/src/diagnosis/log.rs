@@ -20,7 +20,7 @@ use crate::commands::Commands;
 use crate::conditions::{Conditions, LogConditions, StartGas, UsualGas};
 use crate::log_start::LogStart;
 use crate::measured::{
-    GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_weighed, start,
+    GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_fitted_signal, start,
 };
 use crate::metrics::picked;
 use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
@@ -150,21 +150,21 @@ impl Log {
             LogStart::at(parameters, pressure, level, first_command).supplied(supply_pressure);
         let defects = LogDefects::of(log, &commands, pressure);
         let sigma = |signal: &Measured| {
-            let told = noise.of(signal.name, &signal.floor, signal.interval_s);
-            told.unwrap_or_else(|| scatter_or_resolution(signal))
+            let known = noise.of(signal.name, &signal.floor, signal.interval_s);
+            known.unwrap_or_else(|| scatter_or_resolution(signal))
         };
         let sigmas: Vec<f64> = measured.iter().map(sigma).collect();
-        let (weighed, still): (Vec<_>, Vec<_>) = measured
+        let (fitted, still): (Vec<_>, Vec<_>) = measured
             .into_iter()
             .zip(sigmas)
-            .filter(|(signal, _)| is_weighed(parameters, signal.name))
+            .filter(|(signal, _)| is_fitted_signal(parameters, signal.name))
             .partition(|(_, sigma)| *sigma > 0.0);
         not_compared.extend(
             still
                 .into_iter()
                 .map(|(signal, _)| without_noise(signal.name)),
         );
-        let channels: Vec<Channel> = weighed
+        let channels: Vec<Channel> = fitted
             .into_iter()
             .map(|(signal, sigma)| {
                 let column = ROW_SIGNALS
@@ -183,7 +183,7 @@ impl Log {
             })
             .collect();
         if channels.is_empty() {
-            return Err(DiagnoseError::NothingToWeigh {
+            return Err(DiagnoseError::NothingToFit {
                 log: log.provenance().source.clone(),
             });
         }
@@ -265,7 +265,7 @@ impl Log {
     pub(crate) fn found(&self) -> LogConditions {
         LogConditions {
             conditions: self.conditions,
-            clock_source: match self.is_clock_told() {
+            clock_source: match self.is_clock_from_commands() {
                 true => ClockSource::Commands,
                 false => ClockSource::Model,
             },
@@ -306,14 +306,14 @@ impl Log {
     }
 
     /// Returns whether the commands determine the clock without the model.
-    pub(crate) fn is_clock_told(&self) -> bool {
+    pub(crate) fn is_clock_from_commands(&self) -> bool {
         matches!(self.known_clock, KnownClock::Ends(_))
     }
 
     /// Returns whether only a model can determine the clock of the logger: the log has commanded coils, and the commands do not determine
     /// it.
     pub(crate) fn is_clock_open(&self) -> bool {
-        self.has_coil && !self.is_clock_told() && self.duration_s() > self.interval_s
+        self.has_coil && !self.is_clock_from_commands() && self.duration_s() > self.interval_s
     }
 
     /// Returns whether it begins with a filled chamber, whose gas may still be warm.
@@ -626,7 +626,7 @@ mod tests {
     /// Defect seen: "Neither the chamber pressure nor a coil current changes" was reported for a log in which it rises by bars, in coarse
     /// steps.
     #[test]
-    fn a_coarse_pressure_that_mostly_stands_still_is_weighed_by_its_resolution() {
+    fn a_coarse_pressure_that_mostly_stands_still_is_fitted_with_its_resolution() {
         let bench = Bench {
             phases: [
                 (0.4, 0.0, 0.0),

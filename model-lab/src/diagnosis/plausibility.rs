@@ -98,7 +98,7 @@ mod tests {
         Practice::new(&bench.plant, &evidence)
     }
 
-    fn told(practice: &Practice, name: &str, value: f64) -> String {
+    fn said(practice: &Practice, name: &str, value: f64) -> String {
         let spec = ParameterSpec::by_name(name).unwrap();
         let id = spec.effect_id().unwrap();
         let fitted = FittedParameter {
@@ -117,10 +117,10 @@ mod tests {
     fn a_leak_is_plausible_beside_the_volume_that_it_empties() {
         let area = "effects.chamber_leak.area_m2";
         assert!(
-            told(&on_a_rig(75e-6), area, 2e-6).starts_with("implausible: area_m2 is 100 times")
+            said(&on_a_rig(75e-6), area, 2e-6).starts_with("implausible: area_m2 is 100 times")
         );
-        assert!(told(&on_a_rig(750e-6), area, 2e-6).starts_with("plausible"));
-        assert!(told(&on_a_rig(75e-6), area, 1e-11).starts_with("plausible"));
+        assert!(said(&on_a_rig(750e-6), area, 2e-6).starts_with("plausible"));
+        assert!(said(&on_a_rig(75e-6), area, 1e-11).starts_with("plausible"));
     }
 
     /// Defect seen: a drift of 14 % of the reading was called plausible.
@@ -129,7 +129,7 @@ mod tests {
         let practice = on_a_rig(75e-6);
         let drift = "effects.sensor_offset.drift_bar";
         let reading_bar = 8.4 * practice.pressure;
-        assert!(told(&practice, drift, 0.14 * reading_bar).starts_with("implausible"));
-        assert!(told(&practice, drift, 0.03 * reading_bar).starts_with("plausible"));
+        assert!(said(&practice, drift, 0.14 * reading_bar).starts_with("implausible"));
+        assert!(said(&practice, drift, 0.03 * reading_bar).starts_with("plausible"));
     }
 }

@@ -8,7 +8,9 @@ use super::error::DiagnoseError;
 use super::sensor_noise::SensorNoise;
 use crate::commands::Commands;
 use crate::error::CompareError;
-use crate::measured::{GAS_TEMPERATURE, Measured, PRESSURE, WEIGHED, is_weighed, measured_signals};
+use crate::measured::{
+    FITTED_SIGNALS, GAS_TEMPERATURE, Measured, PRESSURE, is_fitted_signal, measured_signals,
+};
 use crate::result::{NotCompared, Warning};
 use crate::warning::{out_of_reach, warnings};
 
@@ -41,10 +43,10 @@ impl Read {
             measured_signals(parameters, (log, original), &commands)?;
         not_compared.retain(|signal| {
             let name = signal.name.as_str();
-            WEIGHED.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
+            FITTED_SIGNALS.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)
         });
         let has_temperature = measured.iter().any(|one| one.name == GAS_TEMPERATURE);
-        if has_temperature && !is_weighed(parameters, GAS_TEMPERATURE) {
+        if has_temperature && !is_fitted_signal(parameters, GAS_TEMPERATURE) {
             not_compared.push(NotCompared {
                 name: GAS_TEMPERATURE.to_owned(),
                 reason: "the gas of this plant keeps its temperature: add the effect gas_temperature to the plant file"
@@ -72,8 +74,8 @@ impl Read {
         })
     }
 
-    /// Reports the noise of the sensors in this log to `noise`.
-    pub(super) fn tell(&self, noise: &mut SensorNoise) {
-        noise.hear(&self.measured);
+    /// Adds the noise of the sensors in this log to `noise`.
+    pub(super) fn add_noise_to(&self, noise: &mut SensorNoise) {
+        noise.add(&self.measured);
     }
 }

@@ -249,7 +249,7 @@ pub struct Candidate {
     pub parameters: Vec<FittedParameter>,
     /// Plausibility of the fitted size in practice, in words.
     pub plausibility: String,
-    /// Size from which on these logs would have shown the effect.
+    /// Detection limit: the least size of the effect that these logs show.
     pub detection_limit: DetectionLimit,
     /// Description in one sentence for the workshop.
     pub physics: String,

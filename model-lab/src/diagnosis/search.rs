@@ -60,7 +60,7 @@ impl Effort {
     }
 
     /// Returns the expected gain from which on a fit on top of `base` is begun, where the best expected gain is `most`.
-    fn least_promise(self, base: &Trial, most: f64) -> f64 {
+    fn least_expected_gain(self, base: &Trial, most: f64) -> f64 {
         let weak = || WEAK_PROSPECT * FURTHER_EVIDENCE * base.correlation_samples;
         match self {
             Self::Rival { gain, .. } => BEGIN_RIVAL_PROSPECT * most.max(gain),
@@ -233,14 +233,14 @@ fn open_promising(
         .map(|setting| step().map(|()| bench.prospect(base, setting)))
         .collect::<Result<Vec<_>, _>>()?;
     let gains = prospects.iter().filter_map(Prospect::gain);
-    let least = effort.least_promise(base, gains.fold(0.0, f64::max));
+    let least = effort.least_expected_gain(base, gains.fold(0.0, f64::max));
     prospects
         .into_par_iter()
         .map(|prospect| {
             step()?;
             let setting = prospect.setting.clone();
-            let promise = prospect.gain();
-            let is_promising = promise.is_some_and(|promise| promise > 0.0 && promise >= least);
+            let gain = prospect.gain();
+            let is_promising = gain.is_some_and(|gain| gain > 0.0 && gain >= least);
             let sketch = is_promising.then(|| bench.sketch(base, prospect));
             Ok(Begun {
                 opened: sketch.and_then(|sketch| bench.open(sketch)),

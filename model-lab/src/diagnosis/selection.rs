@@ -12,7 +12,7 @@ use super::verdict::{
     FURTHER_SHARE, LITTLE_FLOORS, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
-/// So many first effects are tried with every second one, ...
+/// Number of first effects that are tried with every second one, ...
 const FIRSTS: usize = 3;
 /// ... if they explain at least this share of the excess on the fitted logs, ...
 const FIRST_SHARE: f64 = 0.05;
@@ -51,8 +51,9 @@ pub(crate) fn singles(
     try_all(bench, plain, effort, "single effects", watch)
 }
 
-/// Climbs from `plain` and every effect alone until nothing material remains, or nothing explains what does.
-pub(crate) fn climb(
+/// Selects effects by forward selection, from `plain` and every effect alone. It ends where no material error remains, or where no effect
+/// explains the remaining one.
+pub(crate) fn forward_selection(
     bench: &Bench,
     plain: Trial,
     singles: Vec<Tried>,
@@ -136,8 +137,8 @@ impl Selection {
         self.steps.last().expect("the plain plant is there")
     }
 
-    /// The same, told that its ranges are wider than those of `within`, the plant within what its file admits, where `rival` with its
-    /// effect explains the error as well.
+    /// Returns the selection, made with wider ranges than those of `within`, which keeps to the tolerances of the plant file. The effect of
+    /// `rival` explains the error as well.
     pub(crate) fn beyond(mut self, within: Trial, rival: Option<Trial>) -> Self {
         (self.within, self.rival) = (Some(within), rival);
         self
@@ -152,7 +153,7 @@ impl Selection {
         }
     }
 
-    /// The same, told that `wide`, the plant with wider ranges, explains the error as well.
+    /// Returns the selection with an alternative: `wide`, the plant with wider ranges, explains the error as well.
     pub(crate) fn or(mut self, wide: Trial) -> Self {
         self.alternative = Some(wide);
         self
@@ -479,7 +480,7 @@ impl Trial {
         self.share_of(plain) >= FOUND_SHARE || !self.is_material()
     }
 
-    /// Whether the logs tell how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
+    /// Whether the logs determine how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
     fn is_credible(&self, bench: &Bench, plain: &Self) -> bool {
         let is_sound = self.is_sound(bench, plain);
         let explains_most = || self.share_of(plain) >= FOUND_SHARE;

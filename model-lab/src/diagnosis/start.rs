@@ -45,7 +45,7 @@ pub(crate) struct Start {
     /// Coordinates after the nuisance parameters adapted to the effect, ...
     pub(crate) moved: Vec<f64>,
     /// ... and the cost there according to a linear model.
-    pub(crate) promised: f64,
+    pub(crate) expected_cost: f64,
     /// Best share of its contribution, as if the residuals were linear in it.
     best: Option<BestShare>,
 }
@@ -68,11 +68,13 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     } else {
         starts_of_sizes(room.without, begin)
     };
-    let promised = starts.iter().map(|start: &Start| {
+    let expected = starts.iter().map(|start: &Start| {
         let weakened = start.best.filter(|best| WEAKENED.contains(&best.share));
-        weakened.map_or(start.promised, |best| best.cost.min(start.promised))
+        weakened.map_or(start.expected_cost, |best| {
+            best.cost.min(start.expected_cost)
+        })
     });
-    let least = promised.min_by(f64::total_cmp);
+    let least = expected.min_by(f64::total_cmp);
     Prospect {
         gain: least.map(|least| room.without - least),
         starts,
@@ -86,21 +88,25 @@ fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<St
     // Where the least size increases the cost beyond that of no effect, the effect is not linear up to there: it may empty a tank.
     let asks_for_weaker = |start: &Start| {
         let is_much = |best: BestShare| (0.0..WEAK).contains(&best.share);
-        start.best.is_some_and(is_much) || start.promised > without
+        start.best.is_some_and(is_much) || start.expected_cost > without
     };
     if starts.first().is_none_or(asks_for_weaker) {
         starts.extend(begin(WEAKER_SIZE));
     }
-    let mut least = without.min(starts.first().map_or(f64::INFINITY, |start| start.promised));
+    let mut least = without.min(
+        starts
+            .first()
+            .map_or(f64::INFINITY, |start| start.expected_cost),
+    );
     let mut last = starts.iter().find(|start| start.size == SIZES[1]).cloned();
     for size in STRONGER_SIZES {
         let asks_for_stronger = |start: &Start| {
-            start.promised < least || start.best.is_none_or(|best| best.share > STRONG)
+            start.expected_cost < least || start.best.is_none_or(|best| best.share > STRONG)
         };
         let Some(start) = last.filter(asks_for_stronger) else {
             break;
         };
-        least = least.min(start.promised);
+        least = least.min(start.expected_cost);
         last = begin(size);
         starts.extend(last.clone());
     }
@@ -133,7 +139,7 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) ->
     }
     let least = starts
         .iter()
-        .map(|start| start.promised)
+        .map(|start| start.expected_cost)
         .fold(f64::INFINITY, f64::min);
     let weakened = starts
         .iter()
@@ -148,10 +154,10 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) ->
     }
     let price = |start: &Start| {
         let is_typical = start.shape.iter().all(|&moved| moved == 0.0);
-        start.promised + if is_typical { 0.0 } else { UNTYPICAL }
+        start.expected_cost + if is_typical { 0.0 } else { UNTYPICAL }
     };
-    let by_promise = |a: &Start, b: &Start| price(a).total_cmp(&price(b));
-    starts.sort_by(by_promise);
+    let by_price = |a: &Start, b: &Start| price(a).total_cmp(&price(b));
+    starts.sort_by(by_price);
     starts.truncate(BEST);
     starts
 }
@@ -250,7 +256,7 @@ impl Start {
         Some(Self {
             size,
             shape: shape.to_vec(),
-            promised: fit.cost - decrease.max(0.0),
+            expected_cost: fit.cost - decrease.max(0.0),
             best: room.best_share(&added(&fit, room.base)),
             fit,
             moved,
@@ -286,7 +292,7 @@ mod tests {
     /// Defect seen: on a fit that was not at its end, the expected gain of every effect included that of a further step without it. Thirty
     /// fits of effects that did not exist were begun.
     #[test]
-    fn an_effect_does_not_promise_what_the_plant_gains_without_it() {
+    fn an_effect_gets_no_credit_for_what_the_plant_gains_without_it() {
         let plant = PlantParameters::nominal();
         let mut rig = plant.clone();
         rig.set("chamber.volume_m3", 1.04 * plant.chamber.volume_m3, "test")
@@ -303,14 +309,14 @@ mod tests {
             .differentiate(&mut unfitted, 0, Difference::Forward)
             .unwrap();
         let (_, without) = fitter.step(&unfitted, 0.0);
-        let promise = |id: &str| {
+        let gain = |id: &str| {
             let effect = EffectSetting::typical(by_id(id).unwrap());
             let unknowns = unknowns.clone().with_effect(&effect);
             prospect(&Fitter::new(&evidence, &unknowns), &unfitted)
                 .gain
                 .unwrap()
         };
-        let heating = promise("coil_heating");
+        let heating = gain("coil_heating");
         assert!(
             heating < 0.05 * without,
             "{heating} of {without}, which the plant gains without it"

@@ -121,7 +121,7 @@ fn a_comparison_does_not_take_a_leak_for_warm_gas() {
 }
 
 #[test]
-fn a_thermometer_is_weighed_where_the_gas_has_a_temperature() {
+fn a_thermometer_is_fitted_where_the_gas_has_a_temperature() {
     let plant = vessel();
     let warm = plant.with_effect(gas_temperature(0.5));
     let log = after_filling(&warm, 293.15);
@@ -146,7 +146,7 @@ fn a_thermometer_is_weighed_where_the_gas_has_a_temperature() {
 
 /// With the effect `gas_temperature`, a warm log begins with warm gas, and the thermometer determines its temperature.
 #[test]
-fn the_thermometer_tells_how_warm_the_gas_begins() {
+fn the_thermometer_shows_how_warm_the_gas_begins() {
     let warm = vessel().with_effect(gas_temperature(0.5));
     let log = after_filling(&warm, 323.15);
     let mut evidence = gather(&warm, [&log]).unwrap();

@@ -28,7 +28,7 @@ fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
 /// Defect seen: such a signal was dropped silently, and an excitation was requested that only this signal could have shown. A position is
 /// never used in the fit, so its exclusion is not reported.
 #[test]
-fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
+fn a_signal_that_could_not_be_fitted_is_named_with_its_reason() {
     let measured = Bench::default().measure();
     let [fill, vent, _, current, _] = measured.signals() else {
         panic!("{measured:?}");
@@ -50,8 +50,8 @@ fn a_signal_that_could_not_be_weighed_is_named_with_its_reason() {
         let split = Split::as_given(&PlantParameters::nominal(), &[log], &[]);
         split.unwrap().not_compared()
     };
-    let not_weighed = not_compared(log);
-    let found: Vec<_> = not_weighed["bench"]
+    let excluded = not_compared(log);
+    let found: Vec<_> = excluded["bench"]
         .iter()
         .map(|one| (one.name.as_str(), one.reason.as_str()))
         .collect();

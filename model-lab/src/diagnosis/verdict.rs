@@ -44,7 +44,7 @@ pub(crate) const DETECTABLE: f64 = 20.0;
 /// Effects which are nearer than this to each other, in standard deviations of the noise, are swapped in more than one of
 /// twenty logs.
 pub(crate) const DISTINGUISHABLE: f64 = 3.3;
-/// Two effects are not told apart where their excesses differ by less than this, in noise variances: as much as a
+/// Two effects are not distinguished where their excesses differ by less than this, in noise variances: as much as a
 /// correct model of the same plant may differ ...
 pub(crate) const ALIKE_EXCESS: f64 = 0.03;
 /// ... or by this share of what they explain.

@@ -7,15 +7,15 @@ use crate::plant::Plant;
 
 effect_parameters! { "effects.flyback_clamp":
     DROP = extra_drop_v ["V"] 0.05 ..= 100.0, Log 20.0, off 0.0,
-        "voltage against the free-wheeling current beyond that of the diode (E49)";
+        "voltage against the freewheeling current beyond that of the diode (E49)";
     RESISTANCE = resistance_ohm ["ohm"] 0.1 ..= 2000.0, Log 50.0, off 0.0,
-        "resistance in the free-wheeling loop beside that of the coil (E49)";
+        "resistance in the freewheeling loop beside that of the coil (E49)";
 }
 
 static ABOUT: About = About {
     id: "flyback_clamp",
     sentence: "The ECU switches the coil off through a clamp instead of a plain diode, so the current dies faster and the valve closes earlier.",
-    source: "E49: Kirchhoff's voltage law of the free-wheeling loop",
+    source: "E49: Kirchhoff's voltage law of the freewheeling loop",
     acts_on: EntryPoint::Coil,
     variants: &[
         Variant {

@@ -23,12 +23,12 @@ static ABOUT: About = About {
     variants: &[
         Variant {
             name: "shared",
-            about: "battery and a lead that both coils share; the free-wheeling current does not pass it",
+            about: "battery and a lead that both coils share; the freewheeling current does not pass it",
             parameters: &[&RESISTANCE],
         },
         Variant {
             name: "per_coil",
-            about: "a lead of each coil's own, which the free-wheeling current passes as well",
+            about: "a lead of each coil's own, which the freewheeling current passes as well",
             parameters: &[&RESISTANCE],
         },
         Variant {

@@ -220,7 +220,7 @@ impl fmt::Display for Problem {
                 let (name, part) = (spec.name(), Part::of_parameter(spec));
                 write!(
                     f,
-                    "`{name}` describes nothing, since this plant has no {part}: remove it, or mend the tables [{VALVES}] and [{CHAMBER}] that tell what there is"
+                    "`{name}` describes nothing, since this plant has no {part}: remove it, or correct the tables [{VALVES}] and [{CHAMBER}], which state the parts of the plant"
                 )
             }
             Self::AbsentSection { spec } => write!(

@@ -32,7 +32,7 @@ impl ReplayError {
 pub enum ReplayError {
     /// The simulation takes more steps than a log of this length may require.
     #[error(
-        "the plant cannot be simulated on this log in a bounded number of steps: given up {time_s} s after its begin; \
+        "the plant cannot be simulated on this log in a bounded number of steps: aborted {time_s} s after its begin; \
          bring the parameters nearer to sizes that are met in practice, and look at the supply voltage and the time there"
     )]
     Aborted {

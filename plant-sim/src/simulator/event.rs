@@ -13,36 +13,36 @@ use crate::valve::{Motion, ValveState};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
     /// A resting armature breaks away from its stop.
-    Departs(usize),
+    BreaksAway(usize),
     /// A moving armature reaches a stop, or the position at which its orifice changes between curtain and bore (m).
     Reaches(usize, f64),
     /// A moving armature comes to a halt between the stops, where friction may keep it.
     Halts(usize),
     /// The current of a live valve has decayed to zero.
-    CurrentExtinct(usize),
+    CurrentDecayed(usize),
 }
 
 impl<P: Physics> Solver<P> {
     /// Returns the first resting armature that breaks away in (0, h], under a force that is known over time.
-    pub(super) fn first_departure(
+    pub(super) fn first_breakaway(
         &self,
         h: f64,
         force: impl Fn(usize, f64) -> f64,
     ) -> Option<(f64, usize)> {
-        let departure = |index: usize| {
+        let breakaway = |index: usize| {
             if self.state.valves[index].motion == Motion::Moving {
                 return None;
             }
             let force = |t: f64| force(index, t);
-            let departs = force(h) > 0.0;
-            departs.then(|| {
+            let breaks_away = force(h) > 0.0;
+            breaks_away.then(|| {
                 (
                     first_positive(force, 0.0, h).max(SHORTEST_EVENT).min(h),
                     index,
                 )
             })
         };
-        match (departure(FILL), departure(VENT)) {
+        match (breakaway(FILL), breakaway(VENT)) {
             (Some(fill), Some(vent)) => Some(if vent.0 < fill.0 { vent } else { fill }),
             (fill, vent) => fill.or(vent),
         }
@@ -74,8 +74,8 @@ impl<P: Physics> Solver<P> {
                 t,
             )
         };
-        if let Some((time, index)) = self.first_departure(h, force) {
-            offer(time, Event::Departs(index));
+        if let Some((time, index)) = self.first_breakaway(h, force) {
+            offer(time, Event::BreaksAway(index));
         }
         for slot in 0..M {
             let index = smooth.live[slot];
@@ -109,8 +109,8 @@ impl<P: Physics> Solver<P> {
                     offer(time, Event::Halts(index));
                 }
             }
-            if let Some(time) = self.physics.extinction(smooth, span, slot) {
-                offer(time, Event::CurrentExtinct(index));
+            if let Some(time) = self.physics.zero_current_time(smooth, span, slot) {
+                offer(time, Event::CurrentDecayed(index));
             }
         }
         first
@@ -118,8 +118,8 @@ impl<P: Physics> Solver<P> {
 
     pub(super) fn apply(&mut self, event: Event) {
         match event {
-            Event::Departs(index) => self.state.valves[index].motion = Motion::Moving,
-            Event::CurrentExtinct(index) => {
+            Event::BreaksAway(index) => self.state.valves[index].motion = Motion::Moving,
+            Event::CurrentDecayed(index) => {
                 let valve = &mut self.state.valves[index];
                 self.physics.current_ended(index, valve.drive);
                 valve.current = 0.0;

@@ -154,7 +154,7 @@ pub(super) trait Physics: Sized {
 
     /// Returns the time within a step at which the current of a coil without supply ends, if it does.
     #[inline(always)]
-    fn extinction<const N: usize, const M: usize>(
+    fn zero_current_time<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,

@@ -109,7 +109,7 @@ impl<P: Physics> Solver<P> {
     pub(super) fn advance(&mut self, duration: f64) {
         let mut remaining = duration;
         while remaining > 0.0 && !self.is_aborted() {
-            self.release_departing();
+            self.release_armatures();
             let live =
                 [FILL, VENT].map(|index| self.physics.is_live(index, &self.state.valves[index]));
             remaining = match (live, self.physics.width()) {
@@ -146,7 +146,7 @@ impl<P: Physics> Solver<P> {
     }
 
     /// Releases every armature that a force already pulls off its stop.
-    fn release_departing(&mut self) {
+    fn release_armatures(&mut self) {
         for index in [FILL, VENT] {
             let valve = &mut self.state.valves[index];
             if valve.motion == Motion::Moving {
@@ -178,7 +178,7 @@ impl<P: Physics> Solver<P> {
             self.physics
                 .breakaway_force(index, valve, currents[index].at(t), pressure, extra)
         };
-        let (taken, departing) = match self.first_departure(limit, force) {
+        let (taken, released) = match self.first_breakaway(limit, force) {
             Some((time, index)) => (time, Some(index)),
             None => (limit, None),
         };
@@ -190,7 +190,7 @@ impl<P: Physics> Solver<P> {
         for index in [FILL, VENT] {
             self.settle_current(index, &currents[index], taken);
         }
-        if let Some(index) = departing {
+        if let Some(index) = released {
             self.statistics.events += 1;
             self.state.valves[index].motion = Motion::Moving;
         }

@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn text_groups_and_numbers_that_are_not_finite_are_told_apart() {
+    fn text_groups_and_numbers_that_are_not_finite_are_distinguished() {
         for cell in [
             "3,14", "1_000", "0x10", "1 2", "--1", "12a", "1.2.3", ".", "-", "1,23,4",
         ] {

@@ -81,7 +81,7 @@ pub(crate) fn comparison(
             one_step_ahead.map(|(summary, trace)| {
                 (
                     "model corrected by each measured pressure",
-                    palette::SHORT_HORIZON,
+                    palette::ONE_STEP_AHEAD,
                     summary,
                     trace,
                 )

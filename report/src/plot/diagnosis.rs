@@ -65,7 +65,7 @@ pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
                     palette::LABEL,
                 )?;
                 let colour = match step.kind {
-                    StepKind::EffectAdded => palette::SHORT_HORIZON,
+                    StepKind::EffectAdded => palette::ONE_STEP_AHEAD,
                     _ => palette::MODEL,
                 };
                 sheet.rectangle([(NAMES_PX, middle - 7), (end, middle + 7)], colour)?;
@@ -112,7 +112,7 @@ pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
             let is_named = diagnosis.effects.contains(&candidate.effect);
             let name = candidate.effect.replace('_', " ");
             let (colour, ink) = if is_named {
-                (palette::SHORT_HORIZON, palette::INK)
+                (palette::ONE_STEP_AHEAD, palette::INK)
             } else {
                 (palette::AXIS, palette::LABEL)
             };
@@ -141,7 +141,7 @@ pub(crate) fn before_and_after(
 ) -> Result<Figure, PlotError> {
     let styles = [
         ("plain model", palette::MODEL),
-        ("refined model", palette::SHORT_HORIZON),
+        ("refined model", palette::ONE_STEP_AHEAD),
     ];
     let runs: Vec<Run<'_>> = models
         .iter()

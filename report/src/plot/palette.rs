@@ -25,8 +25,8 @@ pub(super) const BAND_INNER: RGBColor = RGBColor(0xD2, 0xD8, 0xDE);
 pub(super) const BAND_OUTER: RGBColor = RGBColor(0xEA, 0xEE, 0xF1);
 /// Model, and its free-run residual.
 pub(super) const MODEL: RGBColor = RGBColor(0xD5, 0x5E, 0x00);
-/// Model corrected by the measurement.
-pub(super) const SHORT_HORIZON: RGBColor = RGBColor(0x00, 0x9E, 0x73);
+/// One-step-ahead prediction, and the refined model.
+pub(super) const ONE_STEP_AHEAD: RGBColor = RGBColor(0x00, 0x9E, 0x73);
 /// Fill valve.
 pub(super) const FILL: RGBColor = RGBColor(0x00, 0x72, 0xB2);
 /// Vent valve.
@@ -68,7 +68,7 @@ mod tests {
             BAND_INNER,
             BAND_OUTER,
             MODEL,
-            SHORT_HORIZON,
+            ONE_STEP_AHEAD,
             FILL,
             VENT,
             LIMIT,

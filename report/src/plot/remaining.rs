@@ -17,7 +17,7 @@ const TOP_PX: i32 = 62;
 /// Number of caption characters that fit over a panel.
 const CAPTION: usize = 60;
 
-/// Draws the missing flow against each quantity that it depends on, with two standard errors on either side.
+/// Draws the missing flow over each quantity that it depends on, with two standard errors on either side.
 ///
 /// # Errors
 /// Returns an error if the drawing fails.

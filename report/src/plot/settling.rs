@@ -12,7 +12,7 @@ const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const HEIGHT_PX: i32 = 200;
 const TOP_PX: i32 = 62;
 
-/// Draws the settling time of every step against its new reference, with T_req. A ring marks a reference outside the
+/// Draws the settling time of every step over its new reference, with T_req. A ring marks a reference outside the
 /// operating range; a step that never settled is drawn at the upper edge.
 ///
 /// # Errors
@@ -25,7 +25,7 @@ pub(crate) fn settling(verdict: &Verdict, requirement: &Requirement) -> Result<F
         .filter_map(|step| step.settled_samples)
         .fold(limit, |slowest, samples| slowest.max(f64::from(samples)));
     let highest = 1.15 * slowest;
-    let title = "Settling time of each step of the reference, against the limit";
+    let title = "Settling time of each step of the reference, compared with the limit";
     figure(WIDTH_PX, TOP_PX + HEIGHT_PX + 46, title, |sheet| {
         sheet.title(title)?;
         let references = verdict.steps.iter().map(|step| step.to_bar);
@@ -92,7 +92,7 @@ pub(crate) fn settling_on_rigs(
         .filter_map(|(times, _)| times.samples.last())
         .fold(limit, |longest, &time| longest.max(f64::from(time)));
     let end = 1.1 * longest;
-    let title = "Settling times on the scattered rigs, against the limit";
+    let title = "Settling times on the scattered rigs, compared with the limit";
     figure(WIDTH_PX, TOP_PX + HEIGHT_PX + 46, title, |sheet| {
         sheet.title(title)?;
         let mut chart = sheet.panel(&Panel {

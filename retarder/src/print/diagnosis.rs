@@ -118,8 +118,8 @@ pub(super) fn conditions<'a>(
 /// Returns the gaps and missing cells of each log.
 pub(super) fn defects(found: &BTreeMap<String, LogDefects>, terminal: &Terminal) -> String {
     let sentences = found.iter().flat_map(|(log, defects)| {
-        let told = defects.sentences.iter();
-        told.map(move |sentence| format!("{log}: {sentence}."))
+        let sentences = defects.sentences.iter();
+        sentences.map(move |sentence| format!("{log}: {sentence}."))
     });
     sentences
         .map(|sentence| painted_paragraph(Colour::Notice, &sentence, terminal))
@@ -349,8 +349,9 @@ fn plausibility(candidate: &Candidate) -> Entry {
 
 /// Returns the effects that can be confused with the named ones.
 fn neighbours(found: &Diagnosis, terminal: &Terminal) -> String {
-    let told = found.alternatives();
-    told.iter().map(|told| paragraph(told, terminal)).collect()
+    let sentences = found.alternatives();
+    let paragraphs = sentences.iter().map(|one| paragraph(one, terminal));
+    paragraphs.collect()
 }
 
 /// Returns the parameters that left their tolerance, or the sentence that none did.

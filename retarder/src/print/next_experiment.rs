@@ -16,12 +16,12 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
         .map(|rival| rival.effect.as_deref().unwrap_or("the plain model"))
         .collect();
     let heading = format!(
-        "What tells {} apart on {}",
+        "What distinguishes {} on {}",
         names.join(" and "),
         planned.plant.name
     );
     let mut text = title(&heading, terminal);
-    let colour = if next.tells_apart() {
+    let colour = if next.distinguishes() {
         Colour::Good
     } else {
         Colour::Bad
@@ -65,7 +65,7 @@ pub(super) fn next_experiment(planned: &Planned, terminal: &Terminal) -> String 
     for sensor in &next.sensors {
         text += &paragraph(
             &format!(
-                "A sensor would tell as well: {}, {} {} rms apart, {} times the noise of a usual one.",
+                "A sensor would distinguish them as well: {}, {} {} rms apart, {} times the noise of a usual one.",
                 sensor.quantity,
                 significant(sensor.difference_rms, 2),
                 sensor.unit,

@@ -76,6 +76,6 @@ pub(crate) fn run(task: Task) -> Result<Planned, Failure> {
 
 impl Planned {
     pub(crate) fn answer(&self) -> Answer {
-        Answer::of(self.next.tells_apart())
+        Answer::of(self.next.distinguishes())
     }
 }

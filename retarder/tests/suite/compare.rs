@@ -138,7 +138,7 @@ fn a_reader_who_has_seen_enough_does_not_change_the_answer() {
 
 /// The signs are unambiguous, and no model fits such a log.
 #[test]
-fn swapped_valves_and_a_column_of_another_name_are_told_in_text_and_json() {
+fn swapped_valves_and_a_column_of_another_name_are_reported_in_text_and_json() {
     let bench = Bench::new();
     let log = beginning_of("synthetic/practice-00-id.csv", 10.0);
     bench

@@ -204,7 +204,7 @@ fn parameters_that_stay_open_get_an_experiment() {
 
 /// A wrong value has its own exit status: no effect is missing, and yet the model is outside its tolerance.
 #[test]
-fn a_wrong_value_of_the_plant_file_is_told_with_its_own_status() {
+fn a_wrong_value_of_the_plant_file_is_reported_with_its_own_status() {
     let bench = Bench::new();
     bench.file(
         "bench.csv",
@@ -326,7 +326,7 @@ fn a_signal_at_another_rate_shows_the_missing_effect() {
     );
 }
 
-/// Defect seen: a signal that is excluded from the fit was not named beside the effects that it would have shown.
+/// Defect seen: a signal that is excluded from the fit was not named beside the effects that only it shows.
 #[test]
 fn a_dead_sensor_is_named_beside_what_is_not_excited() {
     let bench = Bench::new();

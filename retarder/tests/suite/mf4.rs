@@ -38,7 +38,7 @@ fn a_log_gives_the_same_rows_in_either_format_and_from_the_standard_input() {
 
 /// MF4 values are not rounded to decimals as in CSV: the comparison uses the model's exact values.
 #[test]
-fn a_simulated_mf4_holds_against_its_own_plant_without_any_error() {
+fn a_simulated_mf4_equals_its_own_plant_without_any_error() {
     let bench = Bench::new();
     let log = data("synthetic/practice-00-check.csv");
     let ran = bench.run(&["simulate", "--log", &log, "--out", "model.mf4"]);
@@ -145,7 +145,7 @@ fn a_signal_that_needs_a_mapping_is_an_error_where_it_matters() {
 }
 
 #[test]
-fn a_damaged_file_and_a_wrong_name_are_told() {
+fn a_damaged_file_and_a_wrong_name_are_reported() {
     let bench = bench();
     let bytes = std::fs::read(bench.path("log.mf4")).unwrap();
     std::fs::write(bench.path("cut.mf4"), &bytes[..bytes.len() - 100]).unwrap();

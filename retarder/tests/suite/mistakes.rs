@@ -97,7 +97,7 @@ fn files_that_are_not_there_or_no_text() {
 
 /// The log has no pressure, an error that only the work itself would find.
 #[test]
-fn results_that_cannot_be_written_are_told_before_the_work() {
+fn results_that_cannot_be_written_are_reported_before_the_work() {
     let bench = bench();
     let diagnose = ["diagnose", "--log", "log.csv"];
     let with = |option, path| [&diagnose[..], &[option, path]].concat();

@@ -49,7 +49,7 @@ fn the_page_has_an_address_with_a_token_and_refuses_those_without() {
 }
 
 #[test]
-fn a_port_that_is_taken_and_a_folder_that_is_a_file_are_told_with_what_to_do() {
+fn a_port_that_is_taken_and_a_folder_that_is_a_file_are_reported_with_what_to_do() {
     let bench = Bench::new();
     let taken = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = taken.local_addr().unwrap().port().to_string();

@@ -11,7 +11,7 @@ use crate::runner::{Bench, assert_contains, data, short_log};
 
 /// A simulated recording is a measurement of the same plant: the comparison passes, and with another plant it fails.
 #[test]
-fn a_simulated_recording_holds_against_its_own_plant_only() {
+fn a_simulated_recording_is_within_tolerance_of_its_own_plant_only() {
     let bench = Bench::new();
     let log = data("synthetic/practice-00-check.csv");
     let ran = bench.run(&["simulate", "--log", &log, "--out", "model.csv"]);
@@ -183,22 +183,22 @@ fn gaps_and_missing_cells_of_the_log_are_listed_as_compare_lists_them() {
         "log.csv",
         &format!("time_s,duty_fill_pct,duty_vent_pct\n{rows}"),
     );
-    let told = [
+    let sentences = [
         "no rows from 1.990 to 2.500 s (0.510 s, about 50 samples)",
         "3 of 250 cells of duty_vent are missing, the first at 1.000 s",
     ];
     let simulate = ["simulate", "--log", "log.csv", "--out", "model.csv"];
     let ran = bench.run(&simulate);
     let text = ran.err.split_whitespace().collect::<Vec<_>>().join(" ");
-    for told in told {
-        assert!(text.contains(&format!("Log: {told}.")), "{text}");
+    for sentence in sentences {
+        assert!(text.contains(&format!("Log: {sentence}.")), "{text}");
     }
     let json = bench
         .run(&[&simulate[..], &["--json"]].concat())
         .ended_with(0);
     let found: serde_json::Value = serde_json::from_str(&json).unwrap();
     let defects = &found["defects"];
-    assert_eq!(defects["sentences"], serde_json::json!(told));
+    assert_eq!(defects["sentences"], serde_json::json!(sentences));
     assert_eq!(defects["gaps"][0]["start_s"], 1.99);
     assert_eq!(defects["missing"][0]["cells"], 3);
 }

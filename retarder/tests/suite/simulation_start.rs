@@ -92,7 +92,7 @@ fn a_simulation_begins_with_the_given_gas_temperature() {
 fn a_state_that_cannot_be_is_refused_with_what_to_do() {
     let bench = Bench::new();
     bench.file("log.csv", &hold(0.0));
-    for (given, told) in [
+    for (given, remedy) in [
         (
             "t_gas=330",
             "add the effect gas_temperature to the plant file",
@@ -102,7 +102,7 @@ fn a_state_that_cannot_be_is_refused_with_what_to_do() {
     ] {
         let ran = bench.run(&["simulate", "--log", "log.csv", "--start", given]);
         let text = ran.err.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_contains(&text, &["--start", told]);
+        assert_contains(&text, &["--start", remedy]);
         ran.ended_with(2);
     }
 }

@@ -46,8 +46,8 @@ mod program {
 
     pub(crate) fn main() -> ExitCode {
         let options = Options::parse();
-        let told = ctrlc::set_handler(|| IS_INTERRUPTED.store(true, Ordering::Relaxed));
-        if let Err(error) = told {
+        let handler = ctrlc::set_handler(|| IS_INTERRUPTED.store(true, Ordering::Relaxed));
+        if let Err(error) = handler {
             eprintln!("Ctrl-C will end it without a table: {error}");
         }
         let retarder = std::path::absolute(&options.retarder).unwrap_or(options.retarder);

@@ -43,16 +43,16 @@ fn run(options: &Options) -> Result<usize, RunError> {
         &options.retarder,
         options.jobs,
     );
-    let mut missing = tell(
+    let mut missing = print_missing(
         &folders.found(),
         refine(folders, retarder, jobs, progress("refined"))?,
     );
     if options.names {
-        missing += tell(
+        missing += print_missing(
             &folders.named(),
             diagnose(folders, retarder, jobs, progress("diagnosed"))?,
         );
-        missing += tell(
+        missing += print_missing(
             &folders.fitted(),
             fit(folders, retarder, jobs, progress("fitted"))?,
         );
@@ -70,7 +70,7 @@ fn progress(done_what: &str) -> impl Fn(Progress) + Sync {
 }
 
 /// Ends the line of progress, and prints the folder with the reasons of missing findings.
-fn tell(stage: &Stage, missing: usize) -> usize {
+fn print_missing(stage: &Stage, missing: usize) -> usize {
     eprintln!();
     if missing > 0 {
         let folder = stage.path().display();

@@ -47,18 +47,18 @@ pub fn run(
     fs::create_dir_all(&alone).map_err(|error| RunError::File(alone, error))?;
     let pairs: Vec<Answer> = answers(folders)?;
     let pairs = pairs.iter().filter(|answer| answer.class == Class::Two);
-    let told: Vec<(&Answer, &str)> = pairs
+    let effects: Vec<(&Answer, &str)> = pairs
         .flat_map(|answer| {
             let hidden = answer.hidden.iter();
             hidden.map(move |hidden| (answer, hidden.effect.as_str()))
         })
         .collect();
-    for (done, (answer, effect)) in told.iter().enumerate() {
+    for (done, (answer, effect)) in effects.iter().enumerate() {
         let left = folders.alone_with(&answer.rig, effect);
         if !left.exists() {
             refine(folders, command, (&answer.rig, effect), &left)?;
         }
-        progress(done + 1, told.len());
+        progress(done + 1, effects.len());
     }
     Ok(())
 }

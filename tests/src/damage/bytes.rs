@@ -102,9 +102,9 @@ fn set_byte(bytes: &mut [u8], chance: &mut Chance) {
 }
 
 fn any_byte(chance: &mut Chance) -> u8 {
-    let telling = *b"\0\xff\x7f\x80 \n\r\t,;.-+\"'#[]{}=:0919eE_%";
+    let special = *b"\0\xff\x7f\x80 \n\r\t,;.-+\"'#[]{}=:0919eE_%";
     if chance.happens(0.7) {
-        chance.one_of(&telling)
+        chance.one_of(&special)
     } else {
         chance.whole(0, 255) as u8
     }

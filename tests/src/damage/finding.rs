@@ -131,7 +131,7 @@ mod tests {
 
     /// Tests the detection itself: each finding is reported for a run that has it, and for no good run.
     #[test]
-    fn each_finding_is_told_by_its_sign() {
+    fn each_finding_is_recognised_by_its_sign() {
         let exit = |code: i32| ended(code << 8);
         let quiet = Said::default();
         let refused = complains("error: E-CSV-NO-ROWS");

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exit_status_and_a_signal_are_told_apart() {
+    fn an_exit_status_and_a_signal_are_distinguished() {
         let limits = Limits::default();
         let ended = run(&mut shell("exit 3"), &limits).unwrap();
         assert_eq!((ended.status.code(), ended.is_overdue), (Some(3), false));

@@ -39,15 +39,15 @@ pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
         let server = Server::start(retarder, &project).map_err(at)?;
         let client = server.client().map_err(at)?;
         let session = client.session(None).map_err(at)?;
-        let told = std::thread::scope(|scope| {
+        let confirmed = std::thread::scope(|scope| {
             let worker = scope.spawn(|| work(&client, &session, &logs));
             std::thread::sleep(moment);
             drop(server);
             worker.join().expect("the worker does not panic")
         })
         .map_err(at)?;
-        counted.at_work += u64::from(told.is_broken_off);
-        counted.too_late += u64::from(!told.is_broken_off);
+        counted.at_work += u64::from(confirmed.is_broken_off);
+        counted.too_late += u64::from(!confirmed.is_broken_off);
         counted.with_leavings += u64::from(!temporaries(&project).map_err(at)?.is_empty());
 
         let server = Server::start(retarder, &project).map_err(at)?;
@@ -57,8 +57,8 @@ pub fn kill(retarder: &Path, seed: u64, kills: u64) -> Result<Kills, Loss> {
             .get(&format!("{again}/project"))
             .and_then(|answer| answer.json())
             .map_err(at)?;
-        counted.with_news += u64::from(told.check(&found, again == session, kill)?);
-        stored(&project, &logs, &told, kill)?;
+        counted.with_news += u64::from(confirmed.check(&found, again == session, kill)?);
+        stored(&project, &logs, &confirmed, kill)?;
         if let Some(path) = temporaries(&project).map_err(at)?.pop() {
             return Err(Loss::Left { kill, path });
         }
@@ -83,7 +83,7 @@ fn logs(chance: &mut Chance) -> io::Result<Vec<String>> {
 
 /// Data that the server has confirmed.
 #[derive(Default)]
-struct Told {
+struct Confirmed {
     /// Number of accepted logs, in their order.
     logs: usize,
     /// Offset of the first log (s).
@@ -93,8 +93,8 @@ struct Told {
 }
 
 /// Uploads, changes and computes until the server is gone, or all is done.
-fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
-    let mut told = Told::default();
+fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Confirmed> {
+    let mut confirmed = Confirmed::default();
     let refused = |what: &str, status: u16| {
         Err(io::Error::other(format!(
             "{what} was answered with {status}"
@@ -102,18 +102,18 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
     };
     for (number, log) in logs.iter().enumerate() {
         match client.upload(session, &format!("{number}.csv"), log.as_bytes()) {
-            Ok(answer) if answer.status == 200 => told.logs += 1,
+            Ok(answer) if answer.status == 200 => confirmed.logs += 1,
             Ok(answer) => return refused("an upload", answer.status),
             Err(_) => break,
         }
-        let (what, wish) = match number % 4 {
+        let (what, request) = match number % 4 {
             0 => ("diagnose", json!({"logs": [1], "check": []})),
             1 => ("logs/1/compare", json!({})),
             2 => ("report", json!({})),
             _ => ("control/run", json!({})),
         };
         // A job gives no guarantee: it may be refused, and nothing of it has to be stored.
-        if client.post(&format!("{session}/{what}"), &wish).is_err() {
+        if client.post(&format!("{session}/{what}"), &request).is_err() {
             break;
         }
         let offset_s = 0.25 * (number + 1) as f64;
@@ -121,18 +121,18 @@ fn work(client: &Client, session: &str, logs: &[String]) -> io::Result<Told> {
             &format!("{session}/logs/1/offset"),
             &json!({ "offset_s": offset_s }),
         ) {
-            Ok(answer) if answer.status == 200 => told.offset_s = offset_s,
+            Ok(answer) if answer.status == 200 => confirmed.offset_s = offset_s,
             Ok(answer) => return refused("an offset", answer.status),
             Err(_) => break,
         }
     }
     // The server may also have been killed after the last request of a completed loop; then it does not answer any
     // more.
-    told.is_broken_off = told.logs < logs.len() || client.get("/api/examples").is_err();
-    Ok(told)
+    confirmed.is_broken_off = confirmed.logs < logs.len() || client.get("/api/examples").is_err();
+    Ok(confirmed)
 }
 
-impl Told {
+impl Confirmed {
     /// Asserts that all accepted data is there, and at most one more item; returns whether there is one more.
     fn check(&self, found: &Value, is_same: bool, kill: u64) -> Result<bool, Loss> {
         let lost = |what: String| Err(Loss::Forgotten { kill, what });
@@ -172,9 +172,9 @@ impl Told {
 }
 
 /// Asserts that the stored logs are the accepted ones, byte for byte, without truncated ones.
-fn stored(project: &Path, logs: &[String], told: &Told, kill: u64) -> Result<(), Loss> {
+fn stored(project: &Path, logs: &[String], confirmed: &Confirmed, kill: u64) -> Result<(), Loss> {
     let at = |source| Loss::Run { kill, source };
-    let mut missing: BTreeSet<&str> = logs[..told.logs].iter().map(String::as_str).collect();
+    let mut missing: BTreeSet<&str> = logs[..confirmed.logs].iter().map(String::as_str).collect();
     for path in files_below(&project.join("logs")).map_err(at)? {
         let text = fs::read_to_string(&path).map_err(at)?;
         missing.remove(text.as_str());

@@ -87,8 +87,8 @@ impl Client {
     }
 
     /// Begins a job of a session and waits for its end, with any result.
-    pub(crate) fn work(&self, session: &str, what: &str, wish: &Value) -> io::Result<()> {
-        let begun = self.post(&format!("{session}/{what}"), wish)?;
+    pub(crate) fn work(&self, session: &str, what: &str, request: &Value) -> io::Result<()> {
+        let begun = self.post(&format!("{session}/{what}"), request)?;
         match begun.json().ok().and_then(|begun| begun["job"].as_u64()) {
             Some(job) => self.get(&format!("{session}/jobs/{job}")).map(drop),
             None => Ok(()),

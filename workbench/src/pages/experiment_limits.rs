@@ -45,12 +45,12 @@ mod tests {
     fn an_experiment_stays_below_the_supply_and_within_its_bounds() {
         let plant = PlantParameters::nominal();
         let limits = |duration_s, max_bar| {
-            let wished = RequestedLimits {
+            let requested = RequestedLimits {
                 duration_s,
                 max_bar,
                 max_duty_pct: 100.0,
             };
-            wished.of(&plant).ok()
+            requested.of(&plant).ok()
         };
         let usual = limits(600.0, None).unwrap();
         assert!(usual.max_bar < plant.gas.supply_pressure_bar_gauge);

@@ -47,11 +47,11 @@ export function layout(properties = {}) {
 
 const CONFIG = { displaylogo: false, responsive: true, displayModeBar: false, doubleClick: false, showTips: false };
 
-/** Draws a chart, or draws it again. */
-export async function draw(place, traces, wished) {
+/** Draws a chart with `plotLayout`, or draws it again. */
+export async function draw(place, traces, plotLayout) {
   const library = await plotly();
-  place.style.height = `${wished.height}px`;
-  await library.react(place, traces, wished, CONFIG);
+  place.style.height = `${plotLayout.height}px`;
+  await library.react(place, traces, plotLayout, CONFIG);
 }
 
 /** Saves a chart as `png` or `svg`, at its displayed size. */

@@ -69,7 +69,7 @@ let messages = 0;
  * Shows a message above the page. A note disappears by itself, a lasting message or a problem when it is closed; a
  * problem also disappears with its page.
  */
-export function tell(text, kind = "note") {
+export function showMessage(text, kind = "note") {
   const place = document.getElementById("messages");
   if ([...place.children].some((there) => there.firstChild?.textContent === text)) return;
   const id = `message-${++messages}`;
@@ -84,6 +84,6 @@ export function forgetProblems() {
 }
 
 /** Shows all problems of a refusal. */
-export function tellProblems(refusal, what) {
-  for (const problem of refusal.problems ?? [{ message: String(refusal) }]) tell(`${what}: ${problem.message}`, "problem");
+export function showProblems(refusal, what) {
+  for (const problem of refusal.problems ?? [{ message: String(refusal) }]) showMessage(`${what}: ${problem.message}`, "problem");
 }

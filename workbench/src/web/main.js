@@ -1,7 +1,7 @@
 // Opens the session, shows the page given in the address, and closes the session when the page closes.
 
 import * as api from "./api.js";
-import { element, fill, forgetProblems, tell } from "./dom.js";
+import { element, fill, forgetProblems, showMessage } from "./dom.js";
 import * as theme from "./theme.js";
 import * as view from "./view.js";
 import * as logs from "./pages/logs.js";
@@ -10,7 +10,7 @@ import * as diagnose from "./pages/diagnose.js";
 import * as refine from "./pages/refine.js";
 import * as control from "./pages/control.js";
 import * as report from "./pages/report.js";
-import { tellInterrupted } from "./pages/work.js";
+import { showInterrupted } from "./pages/work.js";
 
 /** Pages by name. A page has a title and `show(place)`, which returns its handlers `leave` and `redraw`. */
 const PAGES = { logs, compare, diagnose, refine, control, report };
@@ -31,12 +31,12 @@ async function show() {
   try {
     await showPage();
   } catch (error) {
-    tellEnd(error);
+    showError(error);
   }
 }
 
 /** Shows an error in place of the page. */
-function tellEnd(error) {
+function showError(error) {
   fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
 }
 
@@ -60,12 +60,12 @@ async function begin() {
   const { session: project, is_copy: isCopy } = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
   sessionStorage.setItem(KEY, project);
   view.set({ project });
-  if (isCopy) tell("This tab works on a copy of the project that was open last. Other tabs do not change.", "lasting");
+  if (isCopy) showMessage("This tab works on a copy of the project that was open last. Other tabs do not change.", "lasting");
 }
 
 document.getElementById("link").addEventListener("click", async () => {
   await navigator.clipboard.writeText(view.link());
-  tell("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
+  showMessage("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
 });
 theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
 addEventListener("pagehide", () => api.close());
@@ -73,8 +73,8 @@ addEventListener("pageshow", (event) => { if (event.persisted) location.reload()
 view.begin(show);
 try {
   await begin();
-  tellInterrupted();
+  showInterrupted();
   await showPage();
 } catch (error) {
-  tellEnd(error);
+  showError(error);
 }

@@ -1,7 +1,7 @@
 // Stacked plots on one time axis; tools, keys, wheel and pointer change the visible range.
 
 import { axis, clear, draw, label, layout, plotly } from "./chart.js";
-import { button, element, tellProblems } from "./dom.js";
+import { button, element, showProblems } from "./dom.js";
 import { colour } from "./theme.js";
 import * as view from "./view.js";
 
@@ -77,7 +77,7 @@ export class TimeView {
     view.set({ from, to });
     this.showRange();
     clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.refresh().catch((error) => tellProblems(error, "View")), REST);
+    this.waiting = setTimeout(() => this.refresh().catch((error) => showProblems(error, "View")), REST);
   }
 
   /** Moves the axes immediately, with the points that are loaded. */
@@ -112,7 +112,7 @@ export class TimeView {
   async drawStack(panels, { title, shapes = [], annotations = [] }) {
     const plotted = panels.reduce((sum, panel) => sum + panel.height, 0) + GAP * Math.max(0, panels.length - 1);
     const { from, to } = this.range();
-    const wished = layout({
+    const plotLayout = layout({
       height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [], shapes: [],
       xaxis: axis({ range: [from, to], title: { text: title, standoff: 6 }, anchor: "free", position: 0, domain: [0, 1] }),
     });
@@ -124,13 +124,13 @@ export class TimeView {
       above += panel.height + GAP;
       const drawn = panel.draw(`y${number}`);
       traces.push(...drawn.traces);
-      wished.shapes.push(...drawn.shapes ?? []);
-      wished[`yaxis${number}`] = axis({ domain, range: drawn.range, fixedrange: true, nticks: drawn.ticks ?? 4, anchor: "x" });
-      wished.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, text: label(panel.title), font: { size: 12, color: colour(panel.ink ?? "ink") } });
+      plotLayout.shapes.push(...drawn.shapes ?? []);
+      plotLayout[`yaxis${number}`] = axis({ domain, range: drawn.range, fixedrange: true, nticks: drawn.ticks ?? 4, anchor: "x" });
+      plotLayout.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, text: label(panel.title), font: { size: 12, color: colour(panel.ink ?? "ink") } });
     });
-    wished.shapes.push(...shapes);
-    wished.annotations.push(...annotations);
-    await draw(this.chart, traces, wished);
+    plotLayout.shapes.push(...shapes);
+    plotLayout.annotations.push(...annotations);
+    await draw(this.chart, traces, plotLayout);
     this.watchLibrary();
   }
 

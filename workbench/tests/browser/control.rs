@@ -157,7 +157,7 @@ fn the_report_is_written_shown_and_downloaded() {
         for part in [
             "practice-01-id.csv",
             "<b>broken.csv",
-            "Model against measurement",
+            "Model compared with measurement",
             "Control loop",
             "recommended controller",
         ] {

@@ -59,7 +59,7 @@ fn a_picture_is_no_log_and_a_mended_file_can_be_chosen_again() {
 }
 
 #[test]
-fn a_problem_is_told_once_and_goes_with_its_page() {
+fn a_problem_is_shown_once_and_goes_with_its_page() {
     with_browser(async |person| {
         let too_big = "#".repeat((1 << 20) + 1);
         for _ in 0..2 {
@@ -142,7 +142,7 @@ fn a_double_click_begins_and_does_not_cancel() {
 }
 
 #[test]
-fn a_server_that_is_gone_is_told_on_the_page() {
+fn a_server_that_is_gone_is_reported_on_the_page() {
     with_browser(async |person| {
         open_example(person).await;
         person.stop_the_server();

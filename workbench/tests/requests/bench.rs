@@ -268,8 +268,8 @@ impl Browser<'_> {
     }
 
     /// Begins a job and waits for its end; returns all events.
-    pub(crate) fn work(&self, session: &str, path: &str, wish: &Value) -> Vec<Value> {
-        let begun = self.post(path, wish);
+    pub(crate) fn work(&self, session: &str, path: &str, request: &Value) -> Vec<Value> {
+        let begun = self.post(path, request);
         assert_eq!(begun.status, 200, "{begun:?}");
         let job = begun.json()["job"].as_u64().unwrap();
         let events = self.get(&format!("{session}/jobs/{job}")).text();

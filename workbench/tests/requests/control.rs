@@ -15,7 +15,7 @@ fn short_profile() -> Value {
     })
 }
 
-fn wish(profile: &Value, rigs: u32) -> Value {
+fn body(profile: &Value, rigs: u32) -> Value {
     json!({"scenario": "figure-6.5", "profile": profile, "seed": 1, "rigs": rigs})
 }
 
@@ -97,7 +97,7 @@ fn a_refined_plant_is_run_beside_the_plain_one() {
     let session = browser.session(None);
     let plant = json!({"name": "leaky.toml", "toml": format!("{NOMINAL}{LEAK}")});
     assert_eq!(browser.put(&format!("{session}/plant"), &plant).status, 200);
-    browser.put(&format!("{session}/control"), &wish(&short_profile(), 4));
+    browser.put(&format!("{session}/control"), &body(&short_profile(), 4));
     assert_eq!(work(&browser, &session, "control/run")["state"], "done");
     let result = browser.get(&format!("{session}/control/result")).json();
     let roles: Vec<&str> = result["runs"]
@@ -199,7 +199,7 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
         let put = |change: &dyn Fn(&mut Value)| {
             let mut profile = short_profile();
             change(&mut profile);
-            browser.put(&format!("{session}/control"), &wish(&profile, 4))
+            browser.put(&format!("{session}/control"), &body(&profile, 4))
         };
         for (change, expected) in [
             (
@@ -236,7 +236,7 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
             assert!(refused.text().contains(expected), "{refused:?}");
         }
         for rigs in [0, 1001] {
-            let refused = browser.put(&format!("{session}/control"), &wish(&short_profile(), rigs));
+            let refused = browser.put(&format!("{session}/control"), &body(&short_profile(), rigs));
             assert_eq!(
                 (refused.status, refused.code()),
                 (400, "E-WEB-VALUE".to_owned())
@@ -282,7 +282,7 @@ fn a_batch_is_that_of_the_command_with_its_settling_times() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = browser.session(None);
-    browser.put(&format!("{session}/control"), &wish(&short_profile(), 5));
+    browser.put(&format!("{session}/control"), &body(&short_profile(), 5));
     assert_eq!(
         browser.get(&format!("{session}/control/batch")).code(),
         "E-WEB-TOO-EARLY"
@@ -303,7 +303,7 @@ fn a_batch_is_that_of_the_command_with_its_settling_times() {
     let points = rigs["slowest"]["points"].as_array().unwrap();
     assert!(!points.is_empty() && points.iter().all(|point| point[1].as_f64().unwrap() <= 1.0));
     assert_eq!(batch["requirement"]["t_req_samples"], 50);
-    browser.put(&format!("{session}/control"), &wish(&short_profile(), 6));
+    browser.put(&format!("{session}/control"), &body(&short_profile(), 6));
     assert_eq!(
         browser.get(&format!("{session}/control/batch")).json()["is_current"],
         false
@@ -316,8 +316,8 @@ fn a_batch_that_nobody_watches_is_stopped() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = browser.session(None);
-    let wish = json!({"scenario": "operating-range", "profile": null, "seed": 1, "rigs": 1000});
-    browser.put(&format!("{session}/control"), &wish);
+    let many = json!({"scenario": "operating-range", "profile": null, "seed": 1, "rigs": 1000});
+    browser.put(&format!("{session}/control"), &many);
     let begun = browser.post(&format!("{session}/control/batch"), &json!({}));
     let job = begun.json()["job"].as_u64().unwrap();
     assert_eq!(
@@ -328,10 +328,7 @@ fn a_batch_that_nobody_watches_is_stopped() {
     // The next one does not wait for it: both places for work are free again.
     for _ in 0..3 {
         let session = browser.session(None);
-        browser.put(
-            &format!("{session}/control"),
-            &self::wish(&short_profile(), 1),
-        );
+        browser.put(&format!("{session}/control"), &body(&short_profile(), 1));
         assert_eq!(work(&browser, &session, "control/run")["state"], "done");
     }
 }

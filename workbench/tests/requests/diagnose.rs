@@ -68,8 +68,8 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     assert_eq!(&file.json(), diagnosis);
     let session = a_diagnosis_goes_with_its_project(&browser, session, &view);
 
-    let wish = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
-    let events = browser.work(&session, &format!("{session}/next-experiment"), &wish);
+    let request = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
+    let events = browser.work(&session, &format!("{session}/next-experiment"), &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&format!("{session}/next-experiment")).json();
     assert_eq!(next["schema"], "retarder.next-experiment/2");
@@ -154,7 +154,7 @@ fn a_diagnosis_goes_with_its_project(
 }
 
 #[test]
-fn the_library_is_told_with_equations_bounds_and_units() {
+fn the_library_is_listed_with_equations_bounds_and_units() {
     let bench = Bench::start();
     let browser = bench.browser();
     let effects = browser.get("/api/effects").json();
@@ -179,20 +179,20 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 2.0);
     let diagnose = format!("{session}/diagnose");
-    for (wish, status, code) in [
+    for (request, status, code) in [
         (json!({"logs": [], "check": [1]}), 400, "E-WEB-VALUE"),
         (json!({"logs": [1], "check": [1]}), 400, "E-WEB-VALUE"),
         (json!({"logs": [7], "check": []}), 404, "E-WEB-NOT-FOUND"),
     ] {
-        let refused = browser.post(&diagnose, &wish);
+        let refused = browser.post(&diagnose, &request);
         assert_eq!(
             (refused.status, refused.code().as_str()),
             (status, code),
-            "{wish}"
+            "{request}"
         );
     }
-    let wish = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
-    let early = browser.post(&format!("{session}/next-experiment"), &wish);
+    let request = json!({"effects": ["chamber_leak"], "limits": {"duration_s": 15.0, "max_bar": null, "max_duty_pct": 100.0}});
+    let early = browser.post(&format!("{session}/next-experiment"), &request);
     assert_eq!(
         (early.status, early.code().as_str()),
         (409, "E-WEB-TOO-EARLY")
@@ -234,15 +234,15 @@ fn a_diagnosis_ends_with_whoever_listens() {
     let job = begun.json()["job"].as_u64().unwrap();
     drop(browser.follow(&session, job));
     // A later request for the job gets its end.
-    let told = browser.get(&format!("{session}/jobs/{job}")).text();
+    let events = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(
-        told.lines()
+        events.lines()
             .rfind(|line| line.starts_with("data: "))
             .unwrap()
             .trim_start_matches("data: "),
     )
     .unwrap();
-    assert_eq!(last["state"], "cancelled", "{told}");
+    assert_eq!(last["state"], "cancelled", "{events}");
     let found = browser.get(&format!("{session}/diagnosis")).json();
     assert_eq!(found, Value::Null);
 }

@@ -295,7 +295,7 @@ fn the_token_opens_the_page_once_and_only_the_cookie_opens_it_again() {
 /// Rules 7 and 10: the headers of every answer, including refusals, and the information that a client without access
 /// gets.
 #[test]
-fn every_answer_forbids_what_the_page_does_not_need_and_tells_nothing_of_the_machine() {
+fn every_answer_forbids_what_the_page_does_not_need_and_reveals_nothing_of_the_machine() {
     let bench = Bench::start();
     let browser = bench.browser();
     let host = format!("Host: {}", bench.host());

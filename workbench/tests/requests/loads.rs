@@ -138,7 +138,7 @@ fn an_upload_that_breaks_off_leaves_nothing() {
 }
 
 #[test]
-fn a_third_upload_at_the_same_time_is_told_to_wait() {
+fn a_third_upload_at_the_same_time_has_to_wait() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = browser.session(None);

@@ -205,7 +205,7 @@ fn an_export_keeps_channels_that_are_called_like_its_own() {
 }
 
 #[test]
-fn the_start_of_a_log_is_told_and_exported() {
+fn the_start_of_a_log_is_reported_and_exported() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = browser.session(None);
@@ -417,7 +417,7 @@ fn values_out_of_range_are_refused_with_what_is_allowed() {
 /// The reader's own corpus of wrong files and its MF4 files, whole and cut: each gives its code, and the server
 /// continues.
 #[test]
-fn every_file_is_read_or_told_and_the_server_goes_on() {
+fn every_file_is_read_or_refused_and_the_server_goes_on() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = browser.session(None);

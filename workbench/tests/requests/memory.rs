@@ -33,7 +33,7 @@ fn names(browser: &Browser<'_>, session: &str) -> Vec<Value> {
 
 /// Defect seen: the server ended with all tabs when reading a log took more memory than the machine had.
 #[test]
-fn a_log_that_takes_too_much_memory_is_told_and_can_be_removed() {
+fn a_log_that_takes_too_much_memory_is_reported_and_can_be_removed() {
     let bench = Bench::with_worker(worker(LITTLE));
     let browser = bench.browser();
     let (other, session) = (browser.session(None), browser.session(None));

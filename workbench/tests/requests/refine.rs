@@ -6,9 +6,9 @@ use crate::bench::{Bench, Browser};
 use crate::diagnose::{leaking, with_leaking_log};
 
 fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
-    let wish = json!({"log": 1, "change": change});
-    let answer = browser.post(&format!("{session}/refine/change"), &wish);
-    assert_eq!(answer.status, 200, "{wish}: {answer:?}");
+    let request = json!({"log": 1, "change": change});
+    let answer = browser.post(&format!("{session}/refine/change"), &request);
+    assert_eq!(answer.status, 200, "{request}: {answer:?}");
     answer.json()
 }
 
@@ -174,9 +174,9 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_error() {
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 10.0);
     let fit = format!("{session}/refine/fit");
-    let wish = json!({"log": 1, "logs": [1], "check": []});
+    let request = json!({"log": 1, "logs": [1], "check": []});
     assert_eq!(
-        browser.post(&fit, &wish).code(),
+        browser.post(&fit, &request).code(),
         "E-WEB-TOO-EARLY",
         "nothing to fit"
     );
@@ -191,7 +191,7 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_error() {
         &session,
         json!({"switch": {"effect": "sensor_lag", "is_on": false}}),
     );
-    let events = browser.work(&session, &fit, &wish);
+    let events = browser.work(&session, &fit, &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
 
     let fitted = browser.get(&format!("{session}/refine?log=1")).json();
@@ -242,14 +242,14 @@ fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
     let path = format!("{session}/refine/experiment");
     assert_eq!(browser.get(&path).json(), Value::Null);
     assert_eq!(browser.get(&format!("{path}/csv")).status, 409);
-    let mut wish = json!({"log": 1, "logs": [1], "check": [], "limits": {"duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0}});
-    let refused = browser.post(&path, &wish).text();
+    let mut request = json!({"log": 1, "logs": [1], "check": [], "limits": {"duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0}});
+    let refused = browser.post(&path, &request).text();
     assert!(
         refused.contains("700 s (above 0, at most 600 s)"),
         "{refused}"
     );
-    wish["limits"]["duration_s"] = json!(10.0);
-    let events = browser.work(session, &path, &wish);
+    request["limits"]["duration_s"] = json!(10.0);
+    let events = browser.work(session, &path, &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let next = browser.get(&path).json();
     assert_eq!(next["schema"], "retarder.determining-experiment/2");
@@ -261,7 +261,7 @@ fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
     );
     change(browser, session, json!("undo"));
     assert_eq!(browser.get(&path).json(), Value::Null);
-    let early = browser.post(&path, &wish).text();
+    let early = browser.post(&path, &request).text();
     assert!(early.contains("estimate them first"), "{early}");
     change(browser, session, json!("redo"));
     assert_eq!(browser.get(&path).json(), next);
@@ -274,8 +274,8 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 10.0);
-    let wish = json!({"log": 1, "logs": [1], "check": []});
-    let events = browser.work(&session, &format!("{session}/refine/estimate"), &wish);
+    let request = json!({"log": 1, "logs": [1], "check": []});
+    let events = browser.work(&session, &format!("{session}/refine/estimate"), &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let estimated = browser.get(&format!("{session}/refine?log=1")).json();
     assert_eq!(
@@ -309,7 +309,7 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
         ]
     );
 
-    let events = browser.work(&session, &format!("{session}/refine/fit"), &wish);
+    let events = browser.work(&session, &format!("{session}/refine/fit"), &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let mass = |toml: &str| {
         let line = toml.lines().find(|line| line.starts_with("mass_kg"));
@@ -336,7 +336,7 @@ fn what_there_is_not_cannot_be_changed() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 2.0);
-    for (wish, status) in [
+    for (request, status) in [
         (
             json!({"log": 1, "change": {"add": {"effect": "nothing"}}}),
             404,
@@ -355,8 +355,8 @@ fn what_there_is_not_cannot_be_changed() {
             422,
         ),
     ] {
-        let refused = browser.post(&format!("{session}/refine/change"), &wish);
-        assert_eq!(refused.status, status, "{wish}: {refused:?}");
+        let refused = browser.post(&format!("{session}/refine/change"), &request);
+        assert_eq!(refused.status, status, "{request}: {refused:?}");
     }
     change(
         &browser,

@@ -40,7 +40,7 @@ fn two_tabs_do_not_disturb_each_other() {
     assert_eq!(names(&browser, &one), ["one.csv"]);
 }
 
-/// The page tells a user who opens a second tab that both are separate, but not one who reloads it or opens the first.
+/// The page shows a user who opens a second tab that both are separate, but not one who reloads it or opens the first.
 #[test]
 fn a_session_says_whether_it_began_as_a_copy() {
     let bench = Bench::start();

@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ways_to_the_panic_handler_are_told_from_functions_that_only_sound_so() {
+    fn the_ways_to_the_panic_handler_are_distinguished_from_functions_that_only_sound_so() {
         for name in [
             "__rustc::rust_begin_unwind",
             "rust_begin_unwind",
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn each_panic_is_told_with_those_who_call_it() {
+    fn each_panic_is_listed_with_those_who_call_it() {
         let code = fixture(
             "0 f:\n 0: bl 20 <x>\n 4: bl 20 <x>\n10 g:\n 10: b.w 20 <x>\n\
              20 core::panicking::panic:\n 20: b.w 30 <y>\n30 rust_begin_unwind:\n 30: b.n 30 <y>\n",

@@ -214,7 +214,7 @@ mod tests {
 
     /// Each budget is exceeded once, by one unit, and only its sentence appears.
     #[test]
-    fn a_figure_one_unit_beyond_its_budget_is_told_and_no_other() {
+    fn a_figure_one_unit_beyond_its_budget_is_reported_and_no_other() {
         type Spoil = fn(&mut [Figures]);
         let cases: [(Spoil, &str); 18] = [
             (
@@ -284,12 +284,12 @@ mod tests {
                 "full steps: duty cycle",
             ),
         ];
-        for (spoil, told) in cases {
+        for (spoil, start) in cases {
             let mut all = on_the_edge();
             spoil(&mut all);
             let exceeded = exceeded(&gates(&all));
-            assert_eq!(exceeded.len(), 1, "{told}: {exceeded:?}");
-            assert!(exceeded[0].starts_with(told), "{told}: {exceeded:?}");
+            assert_eq!(exceeded.len(), 1, "{start}: {exceeded:?}");
+            assert!(exceeded[0].starts_with(start), "{start}: {exceeded:?}");
         }
     }
 
@@ -315,13 +315,13 @@ mod tests {
     fn a_step_without_bound_fails_with_the_reason_and_the_goal() {
         let mut all = on_the_edge();
         all[STEP].proved = endless();
-        let told = "full step: instructions, proved: loop at step+0x2, at most 80";
-        assert!(exceeded(&gates(&all)).contains(&told.to_owned()));
+        let expected = "full step: instructions, proved: loop at step+0x2, at most 80";
+        assert!(exceeded(&gates(&all)).contains(&expected.to_owned()));
     }
 
     #[test]
     fn who_was_not_measured_does_not_pass() {
-        for (missing, told) in [
+        for (missing, start) in [
             (STEP, "full step: not measured, has to be: measured"),
             (CHECKED, "checked loop: not measured"),
             (ECU, "ECU sample: not measured"),
@@ -330,7 +330,7 @@ mod tests {
             all.remove(missing);
             let exceeded = exceeded(&gates(&all));
             assert_eq!(exceeded.len(), 1, "{exceeded:?}");
-            assert!(exceeded[0].starts_with(told), "{exceeded:?}");
+            assert!(exceeded[0].starts_with(start), "{exceeded:?}");
         }
         let exceeded = exceeded(&gates(&on_the_edge()[STEP..]));
         assert_eq!(exceeded.len(), 1, "{exceeded:?}");

@@ -19,7 +19,7 @@ const EXCEPTION_FRAME_BYTES: u32 = 27 * 4;
 const RESET_VECTOR: usize = 1;
 
 /// Smallest frame that the list of calls to the deepest point shows (bytes).
-const TOLD_BYTES: u32 = 256;
+const SHOWN_BYTES: u32 = 256;
 
 /// Stack that an image can need.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Stack {
         ]);
         for part in &self.parts {
             table.row(vec![format!("  {}", part.name), part.bytes.to_string()]);
-            let large = part.calls.iter().filter(|(_, own)| *own >= TOLD_BYTES);
+            let large = part.calls.iter().filter(|(_, own)| *own >= SHOWN_BYTES);
             for (name, own) in large {
                 table.row(vec![format!("    of which {name}"), own.to_string()]);
             }
@@ -118,14 +118,14 @@ pub(crate) fn has_no_panic(code: &Code) -> Result<(), Unproved> {
     if panics.is_empty() {
         return Ok(());
     }
-    let told = panics.iter().map(|(panic, callers)| {
+    let listed = panics.iter().map(|(panic, callers)| {
         if callers.is_empty() {
             return panic.clone();
         }
         let callers: Vec<&str> = callers.iter().map(String::as_str).collect();
         format!("{panic}, called by {}", callers.join(", "))
     });
-    Err(Unproved::PanicsLeft(told.collect()))
+    Err(Unproved::PanicsLeft(listed.collect()))
 }
 
 /// Reads the painted stack from the self-test's output: `stack used=312 of=65536`, in bytes.
@@ -191,14 +191,14 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_that_is_left_is_told_with_its_caller() {
+    fn a_panic_that_is_left_is_reported_with_its_caller() {
         assert!(has_no_panic(&fixture(IMAGE)).is_ok());
         let panics =
             format!("{IMAGE}a0 core::panicking::panic:\n a0: b.n a0 <x>\nb0 f:\n b0: bl a0 <x>\n");
-        let told = has_no_panic(&fixture(&panics)).unwrap_err().to_string();
+        let message = has_no_panic(&fixture(&panics)).unwrap_err().to_string();
         assert!(
-            told.contains("core::panicking::panic, called by f"),
-            "{told}"
+            message.contains("core::panicking::panic, called by f"),
+            "{message}"
         );
     }
 }

@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn floats_and_divisions_are_told_from_integers() {
+    fn floats_and_divisions_are_distinguished_from_integers() {
         assert!(read("vmul.f32 s0, s0, s1").is_float() && !read("mul r0, r1, r2").is_float());
         assert!(read("sdiv r0, r1, r2").divides() && read("vdiv.f32 s0, s0, s1").divides());
         assert!(!read("smull r0, r1, r2, r3").divides());

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_bound_is_told_with_its_place() {
+    fn what_has_no_bound_is_reported_with_its_place() {
         let at = |text: &str| text.to_owned();
         for (code, reason) in [
             (

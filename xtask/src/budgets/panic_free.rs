@@ -85,16 +85,16 @@ mod tests {
     }
 
     #[test]
-    fn of_all_that_cargo_says_the_linkers_complaint_is_told() {
+    fn of_all_that_cargo_says_the_linkers_complaint_is_reported() {
         let said = format!(
             "   Compiling firmware\n  = note: {LLD}\n          >>> referenced by f.rs:3\nerror"
         );
-        let told = linked(ended(&said)).unwrap_err().to_string();
+        let message = linked(ended(&said)).unwrap_err().to_string();
         assert!(
-            told.ends_with(&format!("{LLD}\n>>> referenced by f.rs:3")),
-            "{told}"
+            message.ends_with(&format!("{LLD}\n>>> referenced by f.rs:3")),
+            "{message}"
         );
-        assert!(!told.contains("Compiling"), "{told}");
+        assert!(!message.contains("Compiling"), "{message}");
     }
 
     #[test]

@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn one_byte_beyond_a_crates_room_is_told_and_no_other() {
+    fn one_byte_beyond_a_crates_room_is_reported_and_no_other() {
         let full: BTreeMap<_, _> = ROOMS
             .iter()
             .map(|room| {

@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn the_calls_to_the_deepest_point_are_told_with_what_each_adds() {
+    fn the_calls_to_the_deepest_point_are_listed_with_what_each_adds() {
         let code = fixture(
             "0 f:\n 0: push {r4, lr}\n 2: bl 20 <g>\n 6: bl 30 <h>\n a: pop {r4, pc}\n\
              20 g:\n 20: sub sp, #16\n 22: add sp, #16\n 24: bx lr\n\
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_bound_is_told_with_its_place() {
+    fn what_has_no_bound_is_reported_with_its_place() {
         let at = |text: &str| text.to_owned();
         for (code, reason) in [
             (

@@ -22,7 +22,7 @@ use core::sync::atomic::AtomicU32;
 use cortex_m_rt::{entry, exception};
 use ecu::{Inputs, Outputs, ResetCause};
 use firmware::drivers::{Mcp3201, Valve};
-use firmware::{Board, Event, Image, Life, Pace, Received, Retained};
+use firmware::{Board, Event, Image, NextAction, Pace, Received, Retained};
 use hil_protocol::mailbox::{self, Mailbox};
 use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
@@ -193,7 +193,7 @@ fn main() -> ! {
     if let Some(black_box) = retained_ram::black_box() {
         let flash = Flash::start(!retained_ram::retained().is_warm());
         let mut image = Image::start(Mps2An386::new(), flash, black_box);
-        while image.turn() == Life::GoesOn {}
+        while image.turn() == NextAction::Continue {}
     }
     #[cfg(feature = "panic-canary")]
     handlers::sing();

@@ -27,7 +27,7 @@ const CURRENT_FILL: usize = 2;
 const CURRENT_VENT: usize = 3;
 const BATTERY: usize = 4;
 const PRESENT: usize = 5;
-const WISH: usize = 16;
+const SELF_TEST_REQUEST: usize = 16;
 /// First compare value.
 pub(super) const COMPARE: usize = 32;
 
@@ -88,7 +88,7 @@ pub(super) fn battery_mv() -> Option<u16> {
 
 /// Returns whether the program that started the machine requests the self-test only.
 pub(super) fn self_test_is_wanted() -> bool {
-    PIN_WORDS[WISH].load(Ordering::Relaxed) == SELF_TEST
+    PIN_WORDS[SELF_TEST_REQUEST].load(Ordering::Relaxed) == SELF_TEST
 }
 
 /// Takes the deliberate failure that the host requests, once.

@@ -13,8 +13,8 @@ pub(super) fn is_wanted() -> bool {
 
 /// Runs the self-test with the coils off, and ends.
 pub(super) fn run() -> ! {
-    let told = hio::hstdout().is_ok_and(|out| is_told(&mut Semihosting { out }));
-    debug::exit(if told {
+    let is_shown = hio::hstdout().is_ok_and(|out| shows_all(&mut Semihosting { out }));
+    debug::exit(if is_shown {
         debug::EXIT_SUCCESS
     } else {
         debug::EXIT_FAILURE
@@ -26,7 +26,7 @@ pub(super) fn run() -> ! {
 }
 
 /// Shows the digests and the stack usage; returns whether all of it was shown.
-fn is_told(watcher: &mut Semihosting) -> bool {
+fn shows_all(watcher: &mut Semihosting) -> bool {
     if self_test::run(watcher, |_, _| 0).is_err() {
         return false;
     }

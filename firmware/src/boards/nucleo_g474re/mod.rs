@@ -15,7 +15,7 @@ mod watchdog;
 use cortex_m_rt::{entry, exception};
 use ecu::{Inputs, Outputs, ResetCause};
 use firmware::drivers::{Mcp3201, Valve};
-use firmware::{Board, Event, Image, Life, Pace, Received, ResetReason, Retained};
+use firmware::{Board, Event, Image, NextAction, Pace, Received, ResetReason, Retained};
 use hil_protocol::{FRAME_MAX, LogBytes, Sensors};
 
 use crate::build_number::build_number;
@@ -143,7 +143,7 @@ fn main() -> ! {
     // Neither can be taken twice before the next reset.
     if let (Some((board, flash)), Some(black_box)) = (start::start(), retained_ram::black_box()) {
         let mut image = Image::start(board, flash, black_box);
-        while image.turn() == Life::GoesOn {}
+        while image.turn() == NextAction::Continue {}
     }
     #[cfg(feature = "panic-canary")]
     handlers::sing();

@@ -1,6 +1,6 @@
 //! Requirements that apply with every fault.
 
-use super::{Finding, Observation, Oracle, Promise, unless};
+use super::{CampaignRequirement, Finding, Observation, Oracle, unless};
 use crate::campaign::bounds;
 use crate::requirement::Requirement;
 
@@ -26,15 +26,19 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 6]
         .zip(oracle.conditions.reference_bar(observation))
         .map(|(shown, reference)| shown - reference);
     [
-        unless(fill == 0.0 || vent == 0.0, Promise::OneCoil, coils),
+        unless(
+            fill == 0.0 || vent == 0.0,
+            CampaignRequirement::OneCoil,
+            coils,
+        ),
         unless(
             is_fill_allowed && is_vent_allowed,
-            Promise::DutyLimits,
+            CampaignRequirement::DutyLimits,
             coils,
         ),
         unless(
             observation.pressure_bar <= highest_bar,
-            Promise::BelowSupply,
+            CampaignRequirement::BelowSupply,
             || {
                 format!(
                     "{:.3} bar of a supply of {:.3} bar",
@@ -44,12 +48,12 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 6]
         ),
         unless(
             !oracle.conditions.is_in_doubt() || is_shut,
-            Promise::ShutInDoubt,
+            CampaignRequirement::ShutInDoubt,
             || format!("code {:?} and {}", observation.sensors.pressure, coils()),
         ),
         unless(
             oracle.conditions.reference_bar(observation).is_some() || !is_increased,
-            Promise::NoIncreaseWithoutReference,
+            CampaignRequirement::NoIncreaseWithoutReference,
             || {
                 format!(
                     "reference {:?} and {}, before {before:?}",
@@ -62,7 +66,7 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 6]
             fill == 0.0
                 || !oracle.conditions.is_steady()
                 || above_bar.is_none_or(|above| above <= bounds::ABOVE_REFERENCE_BAR),
-            Promise::TowardsTheReference,
+            CampaignRequirement::TowardsTheReference,
             || format!("{above_bar:?} bar above the reference and {}", coils()),
         ),
     ]

@@ -2,7 +2,7 @@
 
 use super::condition::Watch;
 use super::fault_reaction::FaultReaction;
-use super::{Finding, Observation, Oracle, Promise, unless};
+use super::{CampaignRequirement, Finding, Observation, Oracle, unless};
 use crate::campaign::bounds;
 
 /// Returns the violated requirements of the fault reactions.
@@ -22,7 +22,7 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> Vec<Finding>
     };
     let mut findings = vec![unless(
         fill == 0.0 || answered.is_empty(),
-        Promise::NoFillAfterN,
+        CampaignRequirement::NoFillAfterN,
         || said(&answered),
     )];
     // A reaction that switches off at once applies with any other fault.
@@ -37,7 +37,7 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> Vec<Finding>
         .collect();
     findings.push(unless(
         is_off || at_once.is_empty(),
-        Promise::SafeInTime,
+        CampaignRequirement::SafeInTime,
         || said(&at_once),
     ));
     if let Some(only) = oracle.conditions.only() {
@@ -64,17 +64,21 @@ fn of_one(observation: &Observation, oracle: &Oracle, watch: &Watch) -> Vec<Find
     };
     let is_off = fill == 0.0 && vent == 0.0;
     let is_over = samples >= reaction.samples();
-    let mut findings = vec![unless(is_off || !is_over, Promise::SafeInTime, said(None))];
+    let mut findings = vec![unless(
+        is_off || !is_over,
+        CampaignRequirement::SafeInTime,
+        said(None),
+    )];
     if is_over && reaction.empties() && oracle.leaves_venting {
         findings.push(unless(
             observation.pressure_bar <= bounds::EMPTY_BAR,
-            Promise::EmptyInTime,
+            CampaignRequirement::EmptyInTime,
             said(None),
         ));
     }
     let is_followed = oracle.is_plain && watch.is_first();
     if reaction == FaultReaction::Hold && is_followed && samples + 1 < bounds::HOLD_SAMPLES {
-        findings.push(unless(is_off, Promise::Held, said(None)));
+        findings.push(unless(is_off, CampaignRequirement::Held, said(None)));
     }
     // A task that runs too rarely vents for longer than intended; this cannot be avoided without a sample in between.
     let is_in_time = observation.sensors.elapsed_us <= bounds::ELAPSED_MAX_US;
@@ -108,7 +112,7 @@ fn of_the_pressure<E: FnOnce() -> String>(
         let is_risen = observation.pressure_bar > then_bar + bounds::RISE_BAR;
         findings.push(unless(
             !is_risen,
-            Promise::NoRiseAfterN,
+            CampaignRequirement::NoRiseAfterN,
             said(Some(then_bar)),
         ));
         let ambient_bar = 1.01325;
@@ -117,7 +121,7 @@ fn of_the_pressure<E: FnOnce() -> String>(
         let is_pulsed = matches!(reaction, FaultReaction::Release | FaultReaction::Hold);
         findings.push(unless(
             is_kept || !is_pulsed,
-            Promise::NoSuddenLoss,
+            CampaignRequirement::NoSuddenLoss,
             said(Some(then_bar)),
         ));
     }
@@ -131,7 +135,7 @@ fn of_the_pressure<E: FnOnce() -> String>(
         let is_led = observation.pressure_bar >= then_bar - most_bar;
         findings.push(unless(
             is_led || is_asked,
-            Promise::NoSuddenLoss,
+            CampaignRequirement::NoSuddenLoss,
             said(Some(then_bar)),
         ));
     }

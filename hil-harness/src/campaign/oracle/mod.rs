@@ -1,7 +1,7 @@
 //! Oracle: the verdict on a run, from outside the target.
 //!
 //! ```text
-//!  Sensors on the wire ─┬─► Conditions: which faults of the table are present?  ─► obligations ─► Ways: is each kept?
+//!  Sensors on the wire ─┬─► Conditions: which faults of the table are present?  ─► obligations ─► Reactions: is each met?
 //!  duties at the coils ─┤                                                             │
 //!  true pressure       ─┴─► Always: what no fault excuses                             └──► Permission: may it fill?
 //! ```
@@ -57,7 +57,7 @@ impl Observation {
 
 /// Requirement on the ECU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Promise {
+pub enum CampaignRequirement {
     /// Both coils are never driven at once.
     OneCoil,
     /// Each coil gets 0, or a duty cycle within the limits of its valve, or the vent valve gets 100 % to empty the
@@ -98,7 +98,7 @@ pub enum Promise {
     Live,
 }
 
-impl Promise {
+impl CampaignRequirement {
     /// Returns whether it is a safety requirement, not one of recovery.
     pub const fn is_safety(self) -> bool {
         !matches!(self, Self::ResumesByItself | Self::Live)
@@ -109,7 +109,7 @@ impl Promise {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
     /// Violated requirement.
-    pub promise: Promise,
+    pub requirement: CampaignRequirement,
     /// Number of the sample.
     pub sample: u32,
     /// Evidence of the violation.
@@ -121,7 +121,7 @@ impl fmt::Display for Violation {
         write!(
             f,
             "{:?} in sample {}: {}",
-            self.promise, self.sample, self.evidence
+            self.requirement, self.sample, self.evidence
         )
     }
 }
@@ -172,9 +172,9 @@ impl Oracle {
             .chain(during_reaction::broken(observation, self))
             .chain([self.takeover.broken(observation)])
             .chain(self.liveness(observation));
-        let broken: Vec<(Promise, String)> = broken.flatten().collect();
-        for (promise, evidence) in broken {
-            self.add(promise, observation.sensors.sample, evidence);
+        let broken: Vec<(CampaignRequirement, String)> = broken.flatten().collect();
+        for (requirement, evidence) in broken {
+            self.add(requirement, observation.sensors.sample, evidence);
         }
         self.memory.remember(observation);
     }
@@ -183,7 +183,7 @@ impl Oracle {
     pub(super) fn see_reset(&mut self, sample: u32, actuators: Actuators) {
         if actuators != Actuators::OFF {
             let evidence = format!("after a reset the coils get {actuators:?}");
-            self.add(Promise::SafeInTime, sample, evidence);
+            self.add(CampaignRequirement::SafeInTime, sample, evidence);
         }
     }
 
@@ -192,25 +192,25 @@ impl Oracle {
         self.violations
     }
 
-    fn add(&mut self, promise: Promise, sample: u32, evidence: String) {
+    fn add(&mut self, requirement: CampaignRequirement, sample: u32, evidence: String) {
         if self
             .violations
             .iter()
-            .all(|violation| violation.promise != promise)
+            .all(|violation| violation.requirement != requirement)
         {
             self.violations.push(Violation {
-                promise,
+                requirement,
                 sample,
                 evidence,
             });
         }
     }
 
-    fn liveness(&self, observation: &Observation) -> [Option<(Promise, String)>; 2] {
+    fn liveness(&self, observation: &Observation) -> [Option<(CampaignRequirement, String)>; 2] {
         let sample = observation.sensors.sample;
         let is_near =
             (observation.pressure_bar - observation.reference_bar).abs() <= bounds::LIVE_BAR;
-        let broken = |promise, is_due: bool| {
+        let broken = |requirement, is_due: bool| {
             let evidence = || {
                 let Observation {
                     pressure_bar,
@@ -219,23 +219,27 @@ impl Oracle {
                 } = observation;
                 format!("{pressure_bar:.3} bar at a reference of {reference_bar:.3} bar")
             };
-            (is_due && !is_near).then(|| (promise, evidence()))
+            (is_due && !is_near).then(|| (requirement, evidence()))
         };
         let is_live_due = self.drive.has_to_be_live(sample) && !self.permission.is_damaged();
         [
             broken(
-                Promise::ResumesByItself,
+                CampaignRequirement::ResumesByItself,
                 self.drive.has_to_have_resumed(sample),
             ),
-            broken(Promise::Live, is_live_due),
+            broken(CampaignRequirement::Live, is_live_due),
         ]
     }
 }
 
 /// Result of a rule for a sample: none, or the violated requirement and the evidence.
-type Finding = Option<(Promise, String)>;
+type Finding = Option<(CampaignRequirement, String)>;
 
-/// Returns a violation of `promise` unless `holds`.
-fn unless(holds: bool, promise: Promise, evidence: impl FnOnce() -> String) -> Finding {
-    (!holds).then(|| (promise, evidence()))
+/// Returns a violation of `requirement` unless it `is_met`.
+fn unless(
+    is_met: bool,
+    requirement: CampaignRequirement,
+    evidence: impl FnOnce() -> String,
+) -> Finding {
+    (!is_met).then(|| (requirement, evidence()))
 }

@@ -2,7 +2,7 @@
 
 use super::condition::{Condition, Conditions};
 use super::fault_reaction::FaultReaction;
-use super::{Finding, Observation, Oracle, Promise, unless};
+use super::{CampaignRequirement, Finding, Observation, Oracle, unless};
 use crate::campaign::bounds;
 
 /// Minimum time from one fault to another one that counts separately (samples): N of the slowest doubt and the
@@ -172,15 +172,15 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 3]
     [
         unless(
             fill == 0.0 || !permission.needs_zero,
-            Promise::NeutralFirst,
+            CampaignRequirement::NeutralFirst,
             filled,
         ),
         unless(
             fill == 0.0 || !permission.is_locked,
-            Promise::StaysLocked,
+            CampaignRequirement::StaysLocked,
             filled,
         ),
-        unless(is_smooth, Promise::NoBump, || {
+        unless(is_smooth, CampaignRequirement::NoBump, || {
             format!(
                 "{:.3} bar after {:?}",
                 observation.pressure_bar, permission.comeback

@@ -2,7 +2,7 @@
 
 use super::condition::Conditions;
 use super::memory::Memory;
-use super::{Finding, Observation, Promise, unless};
+use super::{CampaignRequirement, Finding, Observation, unless};
 use crate::campaign::bounds;
 
 /// First two duty cycles after both valves were shut. While pressure and reference are constant, no valve has time to
@@ -51,11 +51,15 @@ impl Takeover {
     pub(super) fn broken(&self, observation: &Observation) -> Finding {
         let [fill, vent] = observation.coils;
         let excess_pct = self.excess_pct;
-        unless(excess_pct <= bounds::KICK_PCT, Promise::NoKick, || {
-            format!(
-                "fill {fill:.2} %, vent {vent:.2} %, {excess_pct:.2} % more in the sample before"
-            )
-        })
+        unless(
+            excess_pct <= bounds::KICK_PCT,
+            CampaignRequirement::NoKick,
+            || {
+                format!(
+                    "fill {fill:.2} %, vent {vent:.2} %, {excess_pct:.2} % more in the sample before"
+                )
+            },
+        )
     }
 }
 

@@ -26,7 +26,7 @@ const EXPLAINED: f64 = 0.98;
 
 /// Clock as determined by the commands.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ToldClock {
+pub(super) struct CommandClock {
     pub(super) clock: LoggerClock,
     /// Largest deviation of the phase to either side (s), ...
     pub(super) phase_slack_s: f64,
@@ -44,7 +44,10 @@ struct Change {
 
 /// Returns clocks in whose time all changes of the commands enclose a sample instant of the ECU, over the whole range of such drifts. None
 /// for a logger that is hardly faster than the ECU, for few changes, and for commands that are not on such a grid.
-pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -> Vec<ToldClock> {
+pub(super) fn clocks_from_commands(
+    inputs: &[ReplayInput],
+    sample_time_s: f64,
+) -> Vec<CommandClock> {
     let changes = changes(inputs, FASTER * sample_time_s);
     if changes.len() < CHANGES_MIN {
         return Vec::new();
@@ -75,7 +78,7 @@ pub(super) fn clocks_from_commands(inputs: &[ReplayInput], sample_time_s: f64) -
     drifts
         .filter_map(|(drift_ppm, slack_ppm)| {
             let (least_s, most_s) = phases(&changes, drift_ppm, sample_time_s)?;
-            Some(ToldClock {
+            Some(CommandClock {
                 clock: LoggerClock {
                     phase_s: (0.5 * (least_s + most_s)).rem_euclid(sample_time_s),
                     drift_ppm,
@@ -202,18 +205,18 @@ mod tests {
     }
 
     fn check(clock: LoggerClock, instants_s: impl Iterator<Item = f64>) {
-        let told = clocks_from_commands(&logged(clock, instants_s), SAMPLE_TIME_S);
-        let is_right = |told: &ToldClock| {
-            let off_s = told.clock.phase_s - clock.phase_s
-                + (told.clock.drift_ppm - clock.drift_ppm) * 1e-6 * 15.0;
+        let found = clocks_from_commands(&logged(clock, instants_s), SAMPLE_TIME_S);
+        let is_right = |one: &CommandClock| {
+            let off_s = one.clock.phase_s - clock.phase_s
+                + (one.clock.drift_ppm - clock.drift_ppm) * 1e-6 * 15.0;
             let off_s = off_s - (off_s / SAMPLE_TIME_S).round() * SAMPLE_TIME_S;
-            off_s.abs() < told.phase_slack_s + 5e-4
+            off_s.abs() < one.phase_slack_s + 5e-4
         };
-        assert!(told.iter().any(is_right), "{clock:?}: {told:?}");
+        assert!(found.iter().any(is_right), "{clock:?}: {found:?}");
     }
 
     #[test]
-    fn even_and_uneven_rows_tell_phase_and_drift() {
+    fn even_and_uneven_rows_determine_phase_and_drift() {
         for (phase_s, drift_ppm) in [(0.3e-3, 0.0), (6.2e-3, 180.0), (9.9e-3, -150.0)] {
             let clock = LoggerClock { phase_s, drift_ppm };
             for interval_s in [0.2e-3, 2e-3, 5e-3] {
@@ -230,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_are_further_apart_than_samples_tell_nothing() {
+    fn rows_that_are_further_apart_than_samples_determine_nothing() {
         let rows = (0..3000).map(|row| f64::from(row) * 10e-3);
         assert!(
             clocks_from_commands(&logged(LoggerClock::default(), rows), SAMPLE_TIME_S).is_empty()

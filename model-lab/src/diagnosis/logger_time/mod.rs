@@ -5,11 +5,11 @@
 //! clock would be mistaken for.
 
 mod commands;
+mod known_clock;
 mod of_one_log;
 mod pwm_lead;
 mod sampling;
 mod slow;
-mod told;
 mod tries;
 
 use plant_sim::PlantParameters;
@@ -23,12 +23,12 @@ use super::log::Log;
 use super::unknowns::Unknowns;
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
-use commands::{DRIFT_MAX_PPM, ToldClock, clocks_from_commands};
+use commands::{CommandClock, DRIFT_MAX_PPM, clocks_from_commands};
+use known_clock::known_clock;
 pub(crate) use of_one_log::conditions_of;
 use pwm_lead::find_pwm_lead;
 pub(crate) use sampling::{find_sampling, take_sampling};
 pub(crate) use slow::{Search, centre_slow_clocks, find_slow_clocks};
-use told::known_clock;
 use tries::{Found, OUTLIER, Tries, loss};
 
 /// Range of the tried delays to either side of the plant file's (s), ...
@@ -71,14 +71,14 @@ pub(crate) enum Delay {
 
 impl Delay {
     /// Returns the clocks to try around one that the commands determine. A delay that is searched compensates for a phase.
-    fn clocks(self, told: &ToldClock) -> Vec<Option<LoggerClock>> {
+    fn clocks(self, middle: &CommandClock) -> Vec<Option<LoggerClock>> {
         let shares = match self {
             Self::AsGiven => &WITHIN_SLACK[..],
             Self::Searched => &[0.0],
         };
         let later = |share: &f64| LoggerClock {
-            phase_s: told.clock.phase_s + share * told.phase_slack_s,
-            ..told.clock
+            phase_s: middle.clock.phase_s + share * middle.phase_slack_s,
+            ..middle.clock
         };
         shares.iter().map(|share| Some(later(share))).collect()
     }
@@ -140,26 +140,27 @@ pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, d
 /// Finds the clock of the logger of `log`, which has coils and several rows.
 fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
     let sample_time_s = plant.ecu.sample_time_s;
-    let told = clocks_from_commands(log.inputs(), sample_time_s);
-    let is_told = !told.is_empty();
+    let from_commands = clocks_from_commands(log.inputs(), sample_time_s);
+    let is_from_commands = !from_commands.is_empty();
     let tries = Tries::on(plant, log);
-    let found = if is_told {
-        let clocks: Vec<_> = told.iter().flat_map(|told| delay.clocks(told)).collect();
+    let found = if is_from_commands {
+        let clocks = from_commands.iter().flat_map(|one| delay.clocks(one));
+        let clocks: Vec<_> = clocks.collect();
         Some(tries.best(&clocks, &delay.candidates_s(plant, DELAY_STEP_S)))
     } else {
-        find_untold_clock(plant, (log, &tries), delay, drifts_ppm)
+        find_clock_on_model(plant, (log, &tries), delay, drifts_ppm)
     };
     if let Some(clock) = found.and_then(|found| found.whole.clock) {
         let clock = clock.later(sample_time_s);
         log.set_clock(clock, plant);
-        if is_told {
-            log.known_clock = known_clock(&told, clock, log);
+        if is_from_commands {
+            log.known_clock = known_clock(&from_commands, clock, log);
         }
     }
 }
 
 /// Finds the clock of the logger of `log` if the commands do not determine it; none if the rows may be samples of the ECU.
-fn find_untold_clock(
+fn find_clock_on_model(
     plant: &PlantParameters,
     (log, tries): (&Log, &Tries),
     delay: Delay,
@@ -257,7 +258,7 @@ mod tests {
     /// Defect seen: about a hundred commands determined the phase of rows 6.9 ms apart to a tenth of a millisecond, and a fit moved it by
     /// 1.7 ms, 2.4 noise floors from the log.
     #[test]
-    fn a_phase_is_known_as_well_as_the_commands_tell_it() {
+    fn a_phase_is_known_as_well_as_the_commands_determine_it() {
         let plant = PlantParameters::nominal();
         let pulses = [
             (0.07, 70.0, 0.0),
@@ -274,7 +275,7 @@ mod tests {
         let evidence = gather(&plant, [&log]).unwrap();
         let log = &evidence.logs[0];
         let KnownClock::Ends(ends) = log.known_clock else {
-            panic!("the commands tell it");
+            panic!("the commands determine it");
         };
         for KnownPhase {
             at_s,

@@ -72,8 +72,8 @@ pub(crate) fn conditions_of(
 
 /// Returns the least and the largest drift (ppm) that the commands of `log` admit, if the difference matters.
 fn open_drifts_ppm(plant: &PlantParameters, log: &Log) -> Option<(f64, f64)> {
-    let told = clocks_from_commands(log.inputs(), plant.ecu.sample_time_s);
-    let drifts_ppm = told.iter().map(|told| told.clock.drift_ppm);
+    let from_commands = clocks_from_commands(log.inputs(), plant.ecu.sample_time_s);
+    let drifts_ppm = from_commands.iter().map(|one| one.clock.drift_ppm);
     let (least, most) = drifts_ppm
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), one| {
             (least.min(one), most.max(one))
@@ -94,9 +94,9 @@ fn find_clock_by(
         return Some(());
     }
     let sample_time_s = plant.ecu.sample_time_s;
-    let told = clocks_from_commands(log.inputs(), sample_time_s);
+    let from_commands = clocks_from_commands(log.inputs(), sample_time_s);
     let is_proven = changes >= CHANGES_PROVING && !admit_own_clock(log.inputs(), sample_time_s);
-    if !told.is_empty() && is_proven {
+    if !from_commands.is_empty() && is_proven {
         find_clock(plant, log, Delay::AsGiven, &[]);
         find_sampling(plant, evidence, Delay::AsGiven);
         return Some(());
@@ -115,13 +115,15 @@ fn find_clock_by(
         true => Delay::AsGiven,
         false => Delay::Searched,
     };
-    let (clocks, delays_s, own_delays_s) = if told.is_empty() {
+    let (clocks, delays_s, own_delays_s) = if from_commands.is_empty() {
         let delays_s = delay.candidates_s(plant, DELAY_STEP_S);
         let clock = |share: &f64| LoggerClock::with_phase_at(0.0, share * sample_time_s, 0.0);
         let clocks = delay.phases().iter().map(|share| Some(clock(share)));
         (clocks.collect(), delays_s.clone(), delays_s)
     } else {
-        let clocks = told.iter().flat_map(|told| Delay::AsGiven.clocks(told));
+        let clocks = from_commands
+            .iter()
+            .flat_map(|one| Delay::AsGiven.clocks(one));
         let shares = match delay {
             Delay::AsGiven => &[0.0],
             Delay::Searched => &DELAYS_WITHIN_ROW[..],
@@ -154,8 +156,8 @@ fn find_clock_by(
 /// are fitted where the currents may be either.
 fn fit(plant: &PlantParameters, evidence: &mut Evidence) {
     let (begun, usual) = (evidence.conditions(), evidence.logs[0].sampling);
-    let told = begun[0].clock;
-    let samplings = match told.is_some() && evidence.logs[0].is_sampling_open() {
+    let begun_clock = begun[0].clock;
+    let samplings = match begun_clock.is_some() && evidence.logs[0].is_sampling_open() {
         true => vec![CurrentSampling::MeanOfInterval, CurrentSampling::Instant],
         false => vec![usual],
     };
@@ -164,7 +166,7 @@ fn fit(plant: &PlantParameters, evidence: &mut Evidence) {
         evidence.logs[0].sampling = sampling;
         evidence.set_conditions(&begun, plant);
         fit_conditions(plant, evidence);
-        keep_to_commands(plant, &mut evidence.logs[0], told);
+        keep_to_commands(plant, &mut evidence.logs[0], begun_clock);
         let loss = loss_of(plant, &evidence.logs[0]);
         if loss < best.0 {
             best = (loss, sampling, evidence.conditions());
@@ -179,13 +181,13 @@ fn loss_of(plant: &PlantParameters, log: &Log) -> f64 {
     loss(plant, log, log.conditions.clock, plant.ecu.command_delay_s)
 }
 
-/// Restores the clock `told` by the commands where they do not admit the fitted one: the error of a wrong plant moved it.
-fn keep_to_commands(plant: &PlantParameters, log: &mut Log, told: Option<LoggerClock>) {
-    let (Some(told), Some(fitted)) = (told, log.conditions.clock) else {
+/// Restores the clock `from_commands` where the commands do not admit the fitted one: the error of a wrong plant moved it.
+fn keep_to_commands(plant: &PlantParameters, log: &mut Log, from_commands: Option<LoggerClock>) {
+    let (Some(from_commands), Some(fitted)) = (from_commands, log.conditions.clock) else {
         return;
     };
     if !log.is_clock_open() && !admit(log.inputs(), plant.ecu.sample_time_s, fitted) {
-        log.set_clock(told, plant);
+        log.set_clock(from_commands, plant);
     }
 }
 
@@ -209,7 +211,7 @@ fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
 fn evidence_of(plant: &PlantParameters, log: &Recording) -> Option<Evidence> {
     let mut noise = SensorNoise::default();
     let read = Read::of(plant, log).ok()?;
-    read.tell(&mut noise);
+    read.add_noise_to(&mut noise);
     let log = Log::new(plant, log, read, &noise).ok()?;
     Some(Evidence::of(vec![log.thinned(plant)]))
 }

@@ -81,7 +81,7 @@ fn sentence(
     let names = names.join(" and ");
     if *distance >= DISTINGUISHABLE {
         format!(
-            "\"{}\" tells {names} apart: {distance:.1} standard deviations of the noise, {DISTINGUISHABLE} are enough",
+            "\"{}\" distinguishes {names}: {distance:.1} standard deviations of the noise, {DISTINGUISHABLE} are enough",
             best.name
         )
     } else {
@@ -95,7 +95,7 @@ fn sentence(
             },
         );
         format!(
-            "no test signal within the limits tells {names} apart; the best, \"{}\", gives {distance:.1} standard deviations \
+            "no test signal within the limits distinguishes {names}; the best, \"{}\", gives {distance:.1} standard deviations \
              of the noise, {DISTINGUISHABLE} are needed; {sensor}",
             best.name
         )

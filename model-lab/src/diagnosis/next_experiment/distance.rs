@@ -134,7 +134,7 @@ pub(super) fn distance(
 ) -> Result<f64, Unseen> {
     let log = made(&truth.plant, sequence, noises).ok_or(Unseen::NotSimulated)?;
     let evidence = gather(&truth.plant, &[log]).map_err(|error| match error {
-        DiagnoseError::NothingToWeigh { .. } => Unseen::NotShown,
+        DiagnoseError::NothingToFit { .. } => Unseen::NotShown,
         _ => Unseen::NotSimulated,
     })?;
     let noise = evidence.residuals(&truth.plant, Run::Predicted);

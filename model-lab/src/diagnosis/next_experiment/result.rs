@@ -123,7 +123,7 @@ impl NextExperiment {
     }
 
     /// Returns whether the best excitation distinguishes the rivals.
-    pub fn tells_apart(&self) -> bool {
+    pub fn distinguishes(&self) -> bool {
         self.ranking
             .first()
             .is_some_and(|best| best.distance >= self.distinguishable_from)

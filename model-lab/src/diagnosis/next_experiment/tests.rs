@@ -59,10 +59,10 @@ fn asked(question: Question, limits: Limits) -> Result<NextExperiment, DiagnoseE
 }
 
 #[test]
-fn the_best_test_signal_tells_what_the_log_could_not() {
+fn the_best_test_signal_shows_what_the_log_could_not() {
     let next = asked(Question::Between(&RIVALS), LIMITS).unwrap();
     assert!(next.distance_now < DISTINGUISHABLE, "{}", next.distance_now);
-    assert!(next.tells_apart(), "{next:?}");
+    assert!(next.distinguishes(), "{next:?}");
     assert!(next.ranking.is_sorted_by(|a, b| a.distance >= b.distance));
 
     // The rig runs it, and both rivals are fitted to both logs.
@@ -205,7 +205,7 @@ fn limits_that_leave_nothing_and_unknown_effects_are_refused() {
 }
 
 #[test]
-fn where_no_test_signal_tells_them_apart_it_says_so() {
+fn where_no_test_signal_distinguishes_them_it_says_so() {
     // The rig has neither effect.
     let log = poor_log(PlantParameters::nominal());
     let question = Question::Between(&["dead_volume", "sensor_lag"]);
@@ -221,7 +221,7 @@ fn where_no_test_signal_tells_them_apart_it_says_so() {
         &go_on,
     )
     .unwrap();
-    assert!(!next.tells_apart(), "{:?}", next.ranking);
+    assert!(!next.distinguishes(), "{:?}", next.ranking);
     assert!(
         next.sentence.starts_with("no test signal"),
         "{}",

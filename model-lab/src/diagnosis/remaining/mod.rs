@@ -382,7 +382,7 @@ mod tests {
 
     /// Twenty equal pulses, of which the rig misses one.
     #[test]
-    fn a_missed_pulse_is_told() {
+    fn a_missed_pulse_is_reported() {
         let mut phases = vec![(1.0, 0.0, 0.0)];
         for _ in 0..20 {
             phases.extend([(0.05, 80.0, 0.0), (0.35, 0.0, 0.0), (0.4, 0.0, 100.0)]);

@@ -247,7 +247,7 @@ impl Physics for Extended {
         )
     }
 
-    fn extinction<const N: usize, const M: usize>(
+    fn zero_current_time<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,

@@ -13,7 +13,7 @@ use super::share::Share;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
     /// Requirement in words.
-    pub promise: &'static str,
+    pub requirement: &'static str,
     /// Share that was found.
     pub share: Share,
     /// Exact 95 % limits of the share.
@@ -97,13 +97,13 @@ impl Quality {
 
 /// Returns the gate of a share with `bound` as its smallest, or largest, allowed value.
 pub(in crate::blind) fn gate(
-    promise: &'static str,
+    requirement: &'static str,
     share: Share,
     bound: f64,
     is_least: bool,
 ) -> Gate {
     Gate {
-        promise,
+        requirement,
         share,
         limits: share.limits(),
         bound,
@@ -126,7 +126,7 @@ impl fmt::Display for Gate {
         write!(
             f,
             "{:48} {bound:13} {verdict:6} {}",
-            self.promise, self.share
+            self.requirement, self.share
         )
     }
 }
@@ -216,7 +216,7 @@ mod tests {
         assert!(!gate("", of(3, 100), 0.02, false).holds);
         assert!(
             !gate("", of(0, 0), 0.02, false).holds,
-            "nothing keeps no promise"
+            "without data no requirement is met"
         );
     }
 }

@@ -280,7 +280,7 @@ impl fmt::Display for Share {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "diagnosed: {}", self.rigs)?;
-        writeln!(f, "\npromises, with exact 95 % limits")?;
+        writeln!(f, "\nrequirements, with exact 95 % limits")?;
         self.gates
             .iter()
             .try_for_each(|gate| writeln!(f, "  {gate}"))?;
@@ -296,7 +296,7 @@ impl fmt::Display for Report {
         for (name, q) in &self.rules {
             writeln!(f, "  {name}")?;
             for gate in q.gates() {
-                writeln!(f, "    {:48} {}", gate.promise, gate.share)?;
+                writeln!(f, "    {:48} {}", gate.requirement, gate.share)?;
             }
         }
         writeln!(f, "\nwhere all names are right")?;

@@ -97,7 +97,7 @@ pub(super) const FORMS: &[Form] = &[
     Form::library(
         "flyback_clamp",
         Variant,
-        "resistor in the free-wheeling path",
+        "resistor in the freewheeling path",
         (3.2, "ohm"),
         |p, d| d.driver.snubber_ohm = p.size,
     )

@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_told_apart_by_their_header_or_by_their_width() {
+    fn files_are_distinguished_by_their_header_or_by_their_width() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log");
         let key = |text: &str| {

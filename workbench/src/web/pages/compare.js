@@ -1,7 +1,7 @@
 // Page "Compare": a log and the model driven by its commands, on the same axes, and their differences.
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { number, percent, signed, titled } from "../format.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
@@ -71,7 +71,7 @@ class Page {
     } catch (refusal) {
       if (this.ending.signal.aborted) return;
       fill(this.verdict, element("span", { class: "chip bad" }, "not compared"), button("Compare", () => this.begin(), { id: "compare-again" }));
-      if (refusal.name !== "AbortError") tellProblems(refusal, this.log.name);
+      if (refusal.name !== "AbortError") showProblems(refusal, this.log.name);
       document.body.dataset.ready = "failed";
     }
   }

@@ -1,7 +1,7 @@
 // Page "Control": closed loop on the plant, its requirements, and its robustness (Monte Carlo).
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { BatchCard } from "./control/batch.js";
 import { RunPlots } from "./control/charts.js";
 import { controllerForm } from "./control/controller.js";
@@ -17,8 +17,8 @@ export async function show(place) {
 }
 
 class Page {
-  constructor(place, wish) {
-    this.wish = wish;
+  constructor(place, query) {
+    this.query = query;
     this.ending = new AbortController();
     this.verdict = element("div", { class: "verdict", role: "status", id: "control-verdict" });
     this.plants = element("span", { class: "row" });
@@ -34,7 +34,7 @@ class Page {
       element("div", { class: "columns plots" },
         element("div", { class: "stack wide" }, this.plots.element, this.table, this.batch.element),
         element("aside", { class: "stack" }, this.profile, this.controller)));
-    this.showWish();
+    this.showQuery();
   }
 
   leave() {
@@ -49,22 +49,22 @@ class Page {
   }
 
   async begin() {
-    if (this.wish.problems.length > 0) {
-      fill(this.verdict, this.wish.problems.map((problem) => element("span", { class: "problem" }, problem.message)));
+    if (this.query.problems.length > 0) {
+      fill(this.verdict, this.query.problems.map((problem) => element("span", { class: "problem" }, problem.message)));
       document.body.dataset.ready = "failed";
       return;
     }
-    const before = this.wish.has_result ? await api.get("/control/result") : null;
+    const before = this.query.has_result ? await api.get("/control/result") : null;
     if (before?.is_current) await this.take(before);
     else await this.run();
-    if (this.wish.has_batch) await this.batch.take();
+    if (this.query.has_batch) await this.batch.take();
   }
 
   /** Changes profile, seed or size of the batch; other values stay unchanged. */
   async choose(changes, runs = true) {
-    const { scenario, profile, is_edited, seed, rigs } = this.wish;
-    const wish = { scenario, profile: is_edited ? profile : null, seed, rigs, ...changes };
-    await this.change(() => api.put("/control", wish), "Profile", runs);
+    const { scenario, profile, is_edited, seed, rigs } = this.query;
+    const query = { scenario, profile: is_edited ? profile : null, seed, rigs, ...changes };
+    await this.change(() => api.put("/control", query), "Profile", runs);
   }
 
   /**
@@ -73,23 +73,23 @@ class Page {
    */
   async change(act, what, runs = true) {
     try {
-      this.wish = await act();
+      this.query = await act();
     } catch (refusal) {
-      if (what) tellProblems(refusal, what);
+      if (what) showProblems(refusal, what);
       throw refusal;
     }
-    this.showWish();
+    this.showQuery();
     if (runs) await this.run();
   }
 
-  showWish() {
-    const { wish } = this;
-    fill(this.scenario, wish.scenarios.map((one) => element("option", { value: one.name, selected: one.name === wish.scenario, title: one.about }, one.name)));
-    fill(this.plants, "on ", wish.plants.map((plant) => element("span", { class: `key run-${plant.role === "plain" ? "plain" : "refined"}`, title: plant.effects.join(", ") }, plant.name)));
-    fill(this.profile, profileForm(wish, (profile) => this.choose({ profile }),
+  showQuery() {
+    const { query } = this;
+    fill(this.scenario, query.scenarios.map((one) => element("option", { value: one.name, selected: one.name === query.scenario, title: one.about }, one.name)));
+    fill(this.plants, "on ", query.plants.map((plant) => element("span", { class: `key run-${plant.role === "plain" ? "plain" : "refined"}`, title: plant.effects.join(", ") }, plant.name)));
+    fill(this.profile, profileForm(query, (profile) => this.choose({ profile }),
       (file) => this.change(() => api.put("/control/reference", file), file.name)));
-    fill(this.controller, controllerForm(wish.controller, (settings) => this.change(() => api.put("/control/controller", settings), null)));
-    this.batch.showWish(wish);
+    fill(this.controller, controllerForm(query.controller, (settings) => this.change(() => api.put("/control/controller", settings), null)));
+    this.batch.showQuery(query);
   }
 
   async run() {
@@ -105,7 +105,7 @@ class Page {
     } catch (refusal) {
       if (this.ending.signal.aborted) return;
       fill(this.verdict, element("span", { class: "chip open" }, "not run"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Closed loop");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Closed loop");
       document.body.dataset.ready = "failed";
     }
   }

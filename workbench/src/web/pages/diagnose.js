@@ -1,7 +1,7 @@
 // Page "Diagnose": the missing physical effect, its size, and other explanations.
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { duration, number, unitText } from "../format.js";
 import * as view from "../view.js";
 import { Candidates } from "./diagnose/candidates.js";
@@ -64,7 +64,7 @@ class Page {
     try {
       this.take(await api.get("/diagnosis"));
     } catch (refusal) {
-      tellProblems(refusal, "Diagnosis");
+      showProblems(refusal, "Diagnosis");
     }
   }
 

@@ -1,7 +1,7 @@
 // Page "Logs and plant": opens files, maps columns, shows problems.
 
 import * as api from "../api.js";
-import { ask, button, element, fill, tell, tellProblems } from "../dom.js";
+import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
 import { count, duration, number } from "../format.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
@@ -92,7 +92,7 @@ class Page {
           this.showProject(added.project);
         }
       } catch (refusal) {
-        tellProblems(refusal, file.name);
+        showProblems(refusal, file.name);
       }
     }
     this.progress.textContent = "";
@@ -100,11 +100,11 @@ class Page {
 
   async takePlant(file) {
     if (file.size > 1 << 20) {
-      tell(`${file.name}: a plant file has at most 1 MiB. Check the file.`, "problem");
+      showMessage(`${file.name}: a plant file has at most 1 MiB. Check the file.`, "problem");
       return;
     }
     this.showProject(await api.put("/plant", { name: file.name, toml: await file.text() }));
-    tell(`${file.name} is now the plant.`);
+    showMessage(`${file.name} is now the plant.`);
   }
 
   logCard(log) {
@@ -170,15 +170,15 @@ class Page {
           try {
             const project = await api.put(`/logs/${log.number}/mapping`, form);
             const after = project.logs.find((one) => one.number === log.number);
-            if (!after.problem) { this.open.delete(log.number); tell(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
+            if (!after.problem) { this.open.delete(log.number); showMessage(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
             this.showProject(project);
           } catch (refusal) {
-            tellProblems(refusal, "Mapping");
+            showProblems(refusal, "Mapping");
           }
         }));
       if (log.summary?.sha256) details.append(element("p", { class: "quiet" }, `SHA-256 ${log.summary.sha256}`));
     } catch (refusal) {
-      tellProblems(refusal, log.name);
+      showProblems(refusal, log.name);
     }
   }
 
@@ -186,7 +186,7 @@ class Page {
     try {
       this.showProject(await api.remove(`/logs/${log.number}`));
     } catch (refusal) {
-      tellProblems(refusal, log.name);
+      showProblems(refusal, log.name);
     }
   }
 
@@ -231,9 +231,9 @@ class Page {
     const keep = answer === "keep";
     try {
       this.showProject(await api.post(`/examples/${example.id}`, { keep }));
-      tell(`${example.title} is open.`);
+      showMessage(`${example.title} is open.`);
     } catch (refusal) {
-      tellProblems(refusal, example.title);
+      showProblems(refusal, example.title);
     }
   }
 

@@ -22,7 +22,7 @@ export class LimitFields {
   }
 
   /** Returns the limits for a request. */
-  wish() {
+  requested() {
     return {
       duration_s: Number(this.duration.value),
       max_bar: this.pressure.value === "" ? null : Number(this.pressure.value),

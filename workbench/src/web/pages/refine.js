@@ -1,7 +1,7 @@
 // Page "Refine": effects are added, adjusted by hand or fitted, and every change can be undone.
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { number } from "../format.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
@@ -80,7 +80,7 @@ class Page {
       else await this.simulate();
       document.body.dataset.ready = "refine";
     } catch (refusal) {
-      tellProblems(refusal, "Refine");
+      showProblems(refusal, "Refine");
       document.body.dataset.ready = "failed";
     }
   }
@@ -113,7 +113,7 @@ class Page {
         this.take(await api.post("/refine/change", { log: this.log.number, change }));
         await this.simulate();
       } catch (refusal) {
-        tellProblems(refusal, "Change");
+        showProblems(refusal, "Change");
         if (this.state) this.effects.take(this.state.effects);
       }
     });
@@ -176,7 +176,7 @@ class Page {
       this.cost.textContent = `${number(run.log_s, 3)} s of log simulated in ${number(run.simulation_ms, 3)} ms, displayed after ${number(performance.now() - begin, 3)} ms.`;
       Object.assign(this.cost.dataset, { simulation: run.simulation_ms, screen: performance.now() - begin });
     } catch (refusal) {
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Simulation");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Simulation");
     }
   }
 
@@ -204,7 +204,7 @@ class Page {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
       await this.simulate();
     } catch (refusal) {
-      tellProblems(refusal, "Fit");
+      showProblems(refusal, "Fit");
     }
   }
 }

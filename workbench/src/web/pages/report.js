@@ -1,7 +1,7 @@
 // Page "Report": the whole session as one HTML file, with a preview.
 
 import * as api from "../api.js";
-import { button, element, fill, tellProblems } from "../dom.js";
+import { button, element, fill, showProblems } from "../dom.js";
 import { percent } from "../format.js";
 
 export const title = "Report";
@@ -67,7 +67,7 @@ class Page {
     } catch (refusal) {
       if (this.ending.signal.aborted) return;
       fill(this.status, element("span", { class: "chip open" }, "not written"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Report");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Report");
     }
   }
 

@@ -13,12 +13,12 @@ function usual(logs) {
 }
 
 export class Roles {
-  /** Creates the choice; `wish` is the previous one, if any. */
-  constructor(logs, wish) {
+  /** Creates the choice; `previous` is the last one, if any. */
+  constructor(logs, previous) {
     const there = new Set(logs.map((log) => log.number));
     const known = (list) => list.filter((number) => there.has(number));
     const address = { logs: known(numbers("fit")), check: known(numbers("check")) };
-    const before = { logs: known(wish?.logs ?? []), check: known(wish?.check ?? []) };
+    const before = { logs: known(previous?.logs ?? []), check: known(previous?.check ?? []) };
     this.chosen = [address, before, usual(logs)].find((one) => one.logs.length > 0) ?? usual(logs);
     this.element = element("div", { class: "row choices", role: "group", "aria-label": "Use of the logs" }, logs.map((log) => this.row(log)));
   }

@@ -1,17 +1,17 @@
 // Job of the server that a page waits for: a bar, the current stage, and a button that ends it.
 
 import * as api from "../api.js";
-import { button, element, fill, tell, tellProblems } from "../dom.js";
+import { button, element, fill, showMessage, showProblems } from "../dom.js";
 import { percent } from "../format.js";
 
 /** Key of the running job of this tab, for a page that is loaded again. */
 const UNDER_WAY = "under-way";
 
 /** Shows a message if the page was loaded again during a job, which ended with the page. */
-export function tellInterrupted() {
+export function showInterrupted() {
   const what = sessionStorage.getItem(UNDER_WAY);
   sessionStorage.removeItem(UNDER_WAY);
-  if (what) tell(`${what} was cancelled because the page was reloaded. Start it again.`, "lasting");
+  if (what) showMessage(`${what} was cancelled because the page was reloaded. Start it again.`, "lasting");
 }
 
 export class Work {
@@ -22,7 +22,7 @@ export class Work {
   }
 
   /** Begins a job by a request, and follows it; returns whether it was completed. A cancelled job is not an error. */
-  async run(path, wish) {
+  async run(path, request) {
     this.stop?.abort();
     const stop = this.stop = new AbortController();
     const bar = element("progress", { max: 1, value: 0, "aria-label": this.what });
@@ -33,7 +33,7 @@ export class Work {
     sessionStorage.setItem(UNDER_WAY, this.what);
     let isCutOff = false;
     try {
-      const begun = await api.post(path, wish);
+      const begun = await api.post(path, request);
       await api.follow(begun.job, (share, stage) => {
         bar.value = share;
         const seconds = Math.round((performance.now() - begin) / 1000);
@@ -43,7 +43,7 @@ export class Work {
     } catch (refusal) {
       // A closing page has the same status.
       isCutOff = refusal.status === 0;
-      if (refusal.name !== "AbortError") tellProblems(refusal, this.what);
+      if (refusal.name !== "AbortError") showProblems(refusal, this.what);
       return false;
     } finally {
       if (!isCutOff && this.stop === stop) sessionStorage.removeItem(UNDER_WAY);
@@ -53,7 +53,7 @@ export class Work {
 
   /** Ends the job with the page. */
   leave() {
-    if (!this.element.hidden) tell(`${this.what} was cancelled because its page was left.`, "lasting");
+    if (!this.element.hidden) showMessage(`${this.what} was cancelled because its page was left.`, "lasting");
     this.ending.abort();
   }
 }

@@ -110,7 +110,7 @@ fn failed(rig: NamedRig) -> Vec<&'static str> {
     let gates = NamesReport::new(&rigs).gates.into_iter();
     gates
         .filter(|gate| !gate.holds)
-        .map(|gate| gate.promise)
+        .map(|gate| gate.requirement)
         .collect()
 }
 

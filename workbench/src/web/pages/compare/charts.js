@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { plotly, saveImage } from "../../chart.js";
-import { button, element, fill, save, tellProblems } from "../../dom.js";
+import { button, element, fill, save, showProblems } from "../../dom.js";
 import { Filter } from "../../filter.js";
 import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
@@ -61,7 +61,7 @@ export class TimePlots extends TimeView {
 
   exports() {
     const name = `${this.log.name.replace(/\.[^.]*$/, "")}-comparison`;
-    const image = (format) => saveImage(this.chart, format, name).catch((error) => tellProblems(error, format));
+    const image = (format) => saveImage(this.chart, format, name).catch((error) => showProblems(error, format));
     const data = (format) => save(`${name}.${format}`, api.address(`/logs/${this.log.number}/${format}?${this.rangeQuery()}`));
     return element("div", { class: "popup stack" },
       button("PNG", () => image("png"), { id: "export-png" }), button("SVG", () => image("svg"), { id: "export-svg" }),
@@ -313,7 +313,7 @@ export class TimePlots extends TimeView {
         this.onShift(log);
         await this.refresh();
       } catch (refusal) {
-        tellProblems(refusal, log.name);
+        showProblems(refusal, log.name);
       }
     });
   }

@@ -3,7 +3,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
-import { element, fill, tellProblems } from "../../dom.js";
+import { element, fill, showProblems } from "../../dom.js";
 import { count, duration, number } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
@@ -19,7 +19,7 @@ export function closerLooks(place, log, logs, comparison, project, onShift) {
   const others = logs.filter((one) => one !== log);
   const shifts = new Shifts(log, others, onShift);
   fill(place, element("div", { class: "columns even" }, looks.map((look) => look.element)), others.length > 0 && shifts.element);
-  const all = (act) => Promise.all(looks.map((look) => act(look).catch((error) => tellProblems(error, look.title))));
+  const all = (act) => Promise.all(looks.map((look) => act(look).catch((error) => showProblems(error, look.title))));
   return { refresh: () => all((look) => look.fetch()), redraw: () => all((look) => look.paint()), showShift: (moved) => shifts.show(moved), leave: () => looks.forEach((look) => clear(look.chart)) };
 }
 

@@ -1,7 +1,7 @@
 // Two cursors with their values and differences, and the values under the pointer.
 
 import * as api from "../../api.js";
-import { element, fill, tellProblems } from "../../dom.js";
+import { element, fill, showProblems } from "../../dom.js";
 import { brief, number, signed } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
@@ -41,7 +41,7 @@ export class Cursors {
     try {
       this.values[name] = time === null ? null : (await api.get(`/logs/${this.log.number}/values?time_s=${time}`)).signals;
     } catch (refusal) {
-      tellProblems(refusal, "Cursor");
+      showProblems(refusal, "Cursor");
     }
     this.show();
   }

@@ -1,7 +1,7 @@
 // Acceptance limits of a signal: a multiple of its noise, an rms error, and a band for its samples.
 
 import * as api from "../../api.js";
-import { button, element, tellProblems } from "../../dom.js";
+import { button, element, showProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
 /** Fields of a band: heading, key, and factor from the field's unit to the project's. */
@@ -16,13 +16,13 @@ export function limitsMenu(log, strictness) {
   const allow = field("multiples of the noise", strictness.allowed_noise_multiples);
   const rows = log.summary.signals.filter(({ name }) => !name.startsWith("duty_") && name !== "u_bat").map((signal) => row(signal, strictness));
   const apply = async () => {
-    const wished = { allowed_noise_multiples: Number(allow.value), tolerances: { ...strictness.tolerances }, bands: { ...strictness.bands } };
-    for (const one of rows) one.say(wished);
+    const requested = { allowed_noise_multiples: Number(allow.value), tolerances: { ...strictness.tolerances }, bands: { ...strictness.bands } };
+    for (const one of rows) one.say(requested);
     try {
-      await api.put("/strictness", wished);
+      await api.put("/strictness", requested);
       view.go("compare", Object.fromEntries(KEPT.map((key) => [key, view.texts(key)])));
     } catch (refusal) {
-      tellProblems(refusal, "Limits");
+      showProblems(refusal, "Limits");
     }
   };
   const head = (cells) => element("tr", {}, cells.map((cell) => element("th", { scope: "col" }, cell)));
@@ -38,12 +38,12 @@ export function limitsMenu(log, strictness) {
 function row({ name, error_unit: unit }, { tolerances, bands }) {
   const rms = field(`rms of ${name}`, tolerances[name] ?? "", "from noise");
   const band = BAND.map(([heading, key, scale]) => [key, scale, field(`${name}: ${heading}`, bands[name]?.[key] ? String(+(bands[name][key] / scale).toPrecision(8)) : "")]);
-  const say = (wished) => {
-    if (rms.value === "") delete wished.tolerances[name];
-    else wished.tolerances[name] = Number(rms.value);
+  const say = (requested) => {
+    if (rms.value === "") delete requested.tolerances[name];
+    else requested.tolerances[name] = Number(rms.value);
     const said = band.filter(([, , input]) => input.value !== "").map(([key, scale, input]) => [key, scale * Number(input.value)]);
-    if (said.length === 0) delete wished.bands[name];
-    else wished.bands[name] = Object.fromEntries(said);
+    if (said.length === 0) delete requested.bands[name];
+    else requested.bands[name] = Object.fromEntries(said);
   };
   return { say, line: element("tr", {}, element("th", { scope: "row" }, `${name} [${unit}]`), [rms, ...band.map(([, , input]) => input)].map((input) => element("td", {}, input))) };
 }

@@ -1,7 +1,7 @@
 // Common parts of the detail charts.
 
 import { saveImage } from "../../chart.js";
-import { button, element, tellProblems } from "../../dom.js";
+import { button, element, showProblems } from "../../dom.js";
 import * as view from "../../view.js";
 
 /** Adds the visible range to a request. */
@@ -29,10 +29,10 @@ export class Look {
 
   /** Fetches the data for a new choice. */
   again() {
-    this.fetch().catch((error) => tellProblems(error, this.title));
+    this.fetch().catch((error) => showProblems(error, this.title));
   }
 
   exports(name) {
-    return ["png", "svg"].map((format) => button(format.toUpperCase(), () => saveImage(this.chart, format, name).catch((error) => tellProblems(error, format))));
+    return ["png", "svg"].map((format) => button(format.toUpperCase(), () => saveImage(this.chart, format, name).catch((error) => showProblems(error, format))));
   }
 }

@@ -44,8 +44,8 @@ export class Regimes {
 
   show() {
     const signal = this.signal();
-    const wished = view.text("cell");
-    const shown = Object.hasOwn(SHOWN, wished ?? "") ? SHOWN[wished] : (signal.error_map.cells.some((cell) => cell.error.excess_share !== null) ? SHOWN.excess_share : SHOWN.bias);
+    const requested = view.text("cell");
+    const shown = Object.hasOwn(SHOWN, requested ?? "") ? SHOWN[requested] : (signal.error_map.cells.some((cell) => cell.error.excess_share !== null) ? SHOWN.excess_share : SHOWN.bias);
     const choose = (name, entries, value) => element("select", { "aria-label": name, on: { change: (event) => { view.set({ [name]: event.target.value }); this.show(); } } },
       entries.map(([key, text]) => element("option", { value: key, selected: key === value }, text)));
     fill(this.head,
@@ -87,7 +87,7 @@ export class Regimes {
     const isSigned = shown === SHOWN.bias;
     const ground = colour("card");
     const scale = isSigned ? [[0, colour("fill")], [0.5, ground], [1, colour("model")]] : [[0, ground], [1, colour("model")]];
-    const wished = layout({
+    const plotLayout = layout({
       height: 90 + 30 * rows.length, margin: { l: 130, r: 10, t: 10, b: 48 }, dragmode: false, hovermode: "closest",
       xaxis: axis({ title: { text: "chamber pressure of the model [bar gauge]" }, fixedrange: true, showgrid: false, type: "category" }),
       yaxis: axis({ fixedrange: true, showgrid: false, type: "category", autorange: "reversed" }),
@@ -95,7 +95,7 @@ export class Regimes {
     draw(this.chart, [{
       type: "heatmap", x: columns.map(label), y: rows.map(label), z, text, customdata: hover, texttemplate: "%{text}", hovertemplate: "%{y}, %{x}<br>%{customdata}<extra></extra>",
       colorscale: scale, zmin: isSigned ? -largest : 0, zmax: largest, showscale: false, xgap: 2, ygap: 2, textfont: { size: 11 },
-    }], wished).then(() => {
+    }], plotLayout).then(() => {
       this.chart.removeAllListeners?.("plotly_click");
       this.chart.on("plotly_click", ({ points: [point] }) => {
         const [row, column] = point.pointIndex ?? point.pointNumber;

@@ -1,7 +1,7 @@
 // Time offsets of the other logs relative to this one.
 
 import * as api from "../../api.js";
-import { button, element, tell, tellProblems } from "../../dom.js";
+import { button, element, showMessage, showProblems } from "../../dom.js";
 import { number, signed } from "../../format.js";
 
 /** Time offset of each other log: by number, by slider, by cross-correlation. */
@@ -38,7 +38,7 @@ export class Shifts {
       this.show(other);
       this.onShift();
     } catch (refusal) {
-      tellProblems(refusal, other.name);
+      showProblems(refusal, other.name);
     }
   }
 
@@ -47,9 +47,9 @@ export class Shifts {
       const found = await api.get(`/logs/${other.number}/alignment?${new URLSearchParams({ with: this.log.number, signal })}`);
       await this.apply(other, found.offset_s + this.log.offset_s);
       note.textContent = `${signed(found.offset_s, 4)} s, correlation ${number(found.correlation, 3)}`;
-      if (found.correlation < 0.8) tell(`${other.name}: weak correlation of the two logs (${number(found.correlation, 3)}); check the offset.`);
+      if (found.correlation < 0.8) showMessage(`${other.name}: weak correlation of the two logs (${number(found.correlation, 3)}); check the offset.`);
     } catch (refusal) {
-      tellProblems(refusal, other.name);
+      showProblems(refusal, other.name);
     }
   }
 }

@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, layout } from "../../chart.js";
-import { button, element, fill, tellProblems } from "../../dom.js";
+import { button, element, fill, showProblems } from "../../dom.js";
 import { count, percent } from "../../format.js";
 import { colour } from "../../theme.js";
 import { roleOf } from "./charts.js";
@@ -22,10 +22,10 @@ export class BatchCard {
       this.chart, this.key = element("p", { class: "quiet", hidden: true }, "Solid: the slowest step of each rig. Dotted: all steps. Where a curve ends below 100 %, the rest never settled."), this.numbers);
   }
 
-  showWish(wish) {
-    Object.assign(this, { wished: wish });
-    this.rigs.value = wish.rigs;
-    this.seed.value = wish.seed;
+  showQuery(query) {
+    Object.assign(this, { query });
+    this.rigs.value = query.rigs;
+    this.seed.value = query.seed;
     if (this.batch) this.note();
   }
 
@@ -44,7 +44,7 @@ export class BatchCard {
     const stop = new AbortController();
     this.ending.addEventListener("abort", () => stop.abort());
     try {
-      if (rigs !== this.wished.rigs || seed !== this.wished.seed) await this.choose({ rigs, seed }, seed !== this.wished.seed);
+      if (rigs !== this.query.rigs || seed !== this.query.seed) await this.choose({ rigs, seed }, seed !== this.query.seed);
       const begun = await api.post("/control/batch");
       fill(this.status, bar, share, button("Stop", () => stop.abort(), { id: "stop-batch" }));
       await api.follow(begun.job, (done) => { bar.value = done; share.textContent = percent(done); }, stop.signal);
@@ -52,7 +52,7 @@ export class BatchCard {
     } catch (refusal) {
       if (this.ending.aborted) return;
       fill(this.status, element("span", { class: "chip open" }, refusal.name === "AbortError" ? "stopped" : "not run"));
-      if (refusal.name !== "AbortError") tellProblems(refusal, "Batch");
+      if (refusal.name !== "AbortError") showProblems(refusal, "Batch");
     }
   }
 

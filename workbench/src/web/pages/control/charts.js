@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { saveImage } from "../../chart.js";
-import { button, element, fill, save, tellProblems } from "../../dom.js";
+import { button, element, fill, save, showProblems } from "../../dom.js";
 import { number } from "../../format.js";
 import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
@@ -35,7 +35,7 @@ export class RunPlots extends TimeView {
     const key = (role, text) => element("span", { class: `key ${role}` }, text);
     fill(this.legend, key("measured", "reference"), key("noise", `±${number(result.requirement.p_tol_bar, 2)} bar`),
       result.runs.map(({ plant }) => key(`run-${roleOf(plant)}`, plant.role === "plant" ? plant.name : `${plant.role}: ${plant.name}`)));
-    const image = (format) => saveImage(this.chart, format, "control").catch((error) => tellProblems(error, format));
+    const image = (format) => saveImage(this.chart, format, "control").catch((error) => showProblems(error, format));
     fill(this.exports, button("PNG", () => image("png")), button("SVG", () => image("svg")),
       result.runs.map(({ plant }, index) => button(`CSV of the ${plant.role === "plant" ? "run" : plant.role + " plant"}`, () => save("control.csv", api.address(`/control/csv?run=${index}`)))));
     await this.refresh();

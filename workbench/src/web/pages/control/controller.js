@@ -1,7 +1,7 @@
 // Settings of the controller: the keys of a controller file, one field each.
 
 import * as api from "../../api.js";
-import { button, element, tell } from "../../dom.js";
+import { button, element, showMessage } from "../../dom.js";
 
 /** Headings of the tables of a controller file. */
 const TABLES = new Map([
@@ -34,7 +34,7 @@ export function controllerForm(controller, apply) {
   const file = element("input", { type: "file", id: "controller-file", accept: ".toml", on: { change: async () => {
     const [chosen] = file.files;
     if (!chosen) return;
-    if (chosen.size > 1 << 20) { tell(`${chosen.name}: a controller file has at most 1 MiB`, "problem"); return; }
+    if (chosen.size > 1 << 20) { showMessage(`${chosen.name}: a controller file has at most 1 MiB`, "problem"); return; }
     await submit({ from: "file", name: chosen.name, toml: await chosen.text() });
   } } });
   return [

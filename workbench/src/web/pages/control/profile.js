@@ -1,6 +1,6 @@
 // Reference profile as a table of steps and ramps.
 
-import { button, element, fill, tell } from "../../dom.js";
+import { button, element, fill, showMessage } from "../../dom.js";
 
 /** Largest number of changes in the table; a longer profile is edited in its file. */
 const ROWS_MAX = 60;
@@ -8,8 +8,8 @@ const ROWS_MAX = 60;
 const SHORT = 8;
 
 /** Creates a form that passes the edited profile to `apply`, or a file to `open`. Both refuse by throwing. */
-export function profileForm(wish, apply, open) {
-  const { profile } = wish;
+export function profileForm(query, apply, open) {
+  const { profile } = query;
   const field = (value, name, least, role = "short") => element("input", { type: "number", step: "any", min: least, value, class: role, "aria-label": name, required: true });
   const start = field(profile.start_bar, "reference at the start");
   const pressure = field(profile.start_pressure_bar, "pressure at the start", 0);
@@ -39,16 +39,16 @@ export function profileForm(wish, apply, open) {
   const file = element("input", { type: "file", id: "profile-file", accept: ".csv", on: { change: async () => {
     const [chosen] = file.files;
     if (!chosen) return;
-    if (chosen.size > 1 << 20) { tell(`${chosen.name}: a profile has at most 1 MiB on this page`, "problem"); return; }
+    if (chosen.size > 1 << 20) { showMessage(`${chosen.name}: a profile has at most 1 MiB on this page`, "problem"); return; }
     await open({ name: chosen.name, csv: await chosen.text() }).catch(() => {});
   } } });
-  const about = wish.scenarios.find((one) => one.name === wish.scenario)?.about ?? "";
+  const about = query.scenarios.find((one) => one.name === query.scenario)?.about ?? "";
   const list = element("details", { open: profile.changes.length <= SHORT },
     element("summary", {}, "Steps and ramps"),
     element("table", { class: "form" },
       element("thead", {}, element("tr", {}, [["time", "s"], ["reference", "bar gauge"], ["ramp", "s"]].map(([name, unit]) => element("th", { scope: "col" }, name, element("span", { class: "unit" }, unit))), element("th"))), body));
   const form = element("form", { class: "stack tight", id: "profile", on: { submit: (event) => { event.preventDefault(); apply(read()).catch(() => {}); } } },
-    element("p", { class: "quiet" }, wish.is_edited ? profile.name : `${about}. It runs on the plant of this project.`),
+    element("p", { class: "quiet" }, query.is_edited ? profile.name : `${about}. It runs on the plant of this project.`),
     element("label", {}, "reference at the start ", start, element("span", { class: "unit" }, " bar gauge")),
     element("label", {}, "pressure at the start ", pressure, element("span", { class: "unit" }, " bar gauge")),
     list,
@@ -58,7 +58,7 @@ export function profileForm(wish, apply, open) {
     element("div", { class: "row" },
       isWhole && button("Add a step", add, { id: "add-step" }),
       isWhole && element("button", { type: "submit", class: "primary", id: "apply-profile" }, "Apply and run"),
-      wish.is_edited && button("Reset", () => apply(null).catch(() => {})),
+      query.is_edited && button("Reset", () => apply(null).catch(() => {})),
       element("label", { class: "button", for: "profile-file", title: "CSV with the columns time_s and p_ref_bar_gauge" }, "Open file …"), file));
   return [element("h2", {}, "Reference profile"), form];
 }

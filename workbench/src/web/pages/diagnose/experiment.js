@@ -1,7 +1,7 @@
 // Next experiment: duty cycles that distinguish effects, or detect one.
 
 import * as api from "../../api.js";
-import { button, element, fill, table, tellProblems } from "../../dom.js";
+import { button, element, fill, showProblems, table } from "../../dom.js";
 import { number } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
@@ -48,20 +48,20 @@ export class Experiment {
       const next = await api.get("/next-experiment");
       if (next) this.take(next);
     } catch (refusal) {
-      tellProblems(refusal, "Next experiment");
+      showProblems(refusal, "Next experiment");
     }
   }
 
   async plan() {
-    const wish = {
+    const request = {
       effects: [this.first.value, this.second.value].filter((id, index, all) => id && all.indexOf(id) === index),
-      limits: this.limits.wish(),
+      limits: this.limits.requested(),
     };
-    if (!await this.work.run("/next-experiment", wish)) return;
+    if (!await this.work.run("/next-experiment", request)) return;
     try {
       this.take(await api.get("/next-experiment"));
     } catch (refusal) {
-      tellProblems(refusal, "Next experiment");
+      showProblems(refusal, "Next experiment");
     }
   }
 

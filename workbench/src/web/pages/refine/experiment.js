@@ -1,7 +1,7 @@
 // Experiment that determines the ordinary parameters that the logs do not determine.
 
 import * as api from "../../api.js";
-import { button, element, fill, table, tellProblems } from "../../dom.js";
+import { button, element, fill, showProblems, table } from "../../dom.js";
 import { number, unitText } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
@@ -28,9 +28,9 @@ function parameterTable(parameters) {
 }
 
 export class Experiment {
-  /** `wish` returns the log and the chosen logs of the page. */
-  constructor(wish) {
-    Object.assign(this, { wish, next: null });
+  /** `selection` returns the log and the chosen logs of the page. */
+  constructor(selection) {
+    Object.assign(this, { selection, next: null });
     this.work = new Work("Planning");
     this.limits = new LimitFields();
     this.chart = new DutyChart("determining-plot");
@@ -50,12 +50,12 @@ export class Experiment {
     try {
       this.show(await api.get(PATH));
     } catch (refusal) {
-      tellProblems(refusal, "Experiment");
+      showProblems(refusal, "Experiment");
     }
   }
 
   async plan() {
-    if (await this.work.run(PATH, { ...this.wish(), limits: this.limits.wish() })) await this.take(true);
+    if (await this.work.run(PATH, { ...this.selection(), limits: this.limits.requested() })) await this.take(true);
   }
 
   show(next) {

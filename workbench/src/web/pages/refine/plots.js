@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout } from "../../chart.js";
-import { button, element, tellProblems } from "../../dom.js";
+import { button, element, showProblems } from "../../dom.js";
 import { number, titled } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
@@ -55,7 +55,7 @@ export class Plots {
     const panels = this.model;
     const plotted = panels.length * HEIGHT.signal + HEIGHT.gap * Math.max(0, panels.length - 1);
     const [begin, end] = this.measurement.whole_s;
-    const wished = layout({
+    const plotLayout = layout({
       height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [],
       xaxis: axis({ range: [view.numberOf("from") ?? begin, view.numberOf("to") ?? end], title: { text: "time in the log [s]", standoff: 6 }, anchor: "free", position: 0 }),
     });
@@ -64,14 +64,14 @@ export class Plots {
       const top = 1 - index * (HEIGHT.signal + HEIGHT.gap) / plotted;
       const domain = [Math.max(0, top - HEIGHT.signal / plotted), top];
       const measured = this.measurement.signals.find((signal) => signal.name === panel.name)?.measured;
-      wished[`yaxis${index === 0 ? "" : index + 1}`] = axis({ domain, fixedrange: true, nticks: 6, anchor: "x", range: rangeOf(measured, panel.model) });
+      plotLayout[`yaxis${index === 0 ? "" : index + 1}`] = axis({ domain, fixedrange: true, nticks: 6, anchor: "x", range: rangeOf(measured, panel.model) });
       const { rms, noise_floor: floor, unit } = panel.error;
       const times = rms !== null && floor ? ` = ${number(rms / floor, 3)} × noise` : "";
-      wished.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12 }, text: label(`${titled(panel.name)} [${panel.unit}]: rms of the error ${number(rms, 3)} ${unit}${times}`) });
+      plotLayout.annotations.push({ xref: "paper", yref: "paper", x: 0, y: domain[1], xanchor: "left", yanchor: "bottom", showarrow: false, font: { size: 12 }, text: label(`${titled(panel.name)} [${panel.unit}]: rms of the error ${number(rms, 3)} ${unit}${times}`) });
       const line = (trace, role, width) => ({ x: trace.t, y: trace.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
       return [...(measured ? [line(measured, "measured", 2)] : []), line(panel.model, "model", 1.2)];
     });
-    await draw(this.chart, traces, wished).catch((error) => tellProblems(error, "Plot"));
+    await draw(this.chart, traces, plotLayout).catch((error) => showProblems(error, "Plot"));
     this.watchLibrary();
   }
 

@@ -5,31 +5,31 @@
 
 use plant_sim::logger_clock::LoggerClock;
 
-use super::commands::{FITTED_SLACK, ToldClock, ends_s};
+use super::commands::{CommandClock, FITTED_SLACK, ends_s};
 use super::{EVEN_SD, Log};
 use crate::diagnosis::log::{KnownClock, KnownPhase};
 
 /// Least standard deviation of a phase that the commands determine, over the time from row to row.
-const TOLD_PHASE_SD: f64 = 0.02;
+const PHASE_SD_MIN: f64 = 0.02;
 
 /// Phases at the first and the last change of a command that clocks admit, as least and largest time relative to those of one clock (s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Admitted([(f64, f64); 2]);
 
 impl Admitted {
-    /// Returns the phases that `told` admits, relative to those of `clock`.
+    /// Returns the phases that `admitting` admits, relative to those of `clock`.
     fn of(
-        told: &ToldClock,
+        admitting: &CommandClock,
         clock: LoggerClock,
         (middle_s, ends_s): (f64, [f64; 2]),
         sample_time_s: f64,
     ) -> Self {
-        let apart_s = |at_s: f64| told.clock.phase_at_s(at_s) - clock.phase_at_s(at_s);
+        let apart_s = |at_s: f64| admitting.clock.phase_at_s(at_s) - clock.phase_at_s(at_s);
         // The same sample of the ECU for both.
         let whole_s = (apart_s(middle_s) / sample_time_s).round() * sample_time_s;
         Self(ends_s.map(|at_s| {
-            let of_drift_s = told.drift_slack_ppm * 1e-6 * (at_s - middle_s).abs();
-            let slack_s = told.phase_slack_s + of_drift_s;
+            let of_drift_s = admitting.drift_slack_ppm * 1e-6 * (at_s - middle_s).abs();
+            let slack_s = admitting.phase_slack_s + of_drift_s;
             let apart_s = apart_s(at_s) - whole_s;
             (apart_s - slack_s, apart_s + slack_s)
         }))
@@ -58,12 +58,16 @@ impl Admitted {
     }
 }
 
-/// Returns the range of clocks that the commands of `log` admit according to `told`, around `clock`, which is one of them.
-pub(super) fn known_clock(told: &[ToldClock], clock: LoggerClock, log: &Log) -> KnownClock {
+/// Returns the range of clocks that the commands of `log` admit according to `from_commands`, around `clock`, which is one of them.
+pub(super) fn known_clock(
+    from_commands: &[CommandClock],
+    clock: LoggerClock,
+    log: &Log,
+) -> KnownClock {
     let (interval_s, sample_time_s) = (log.command_interval_s, log.sample_time_s);
     let ends_s = ends_s(log.inputs(), sample_time_s);
-    let of_told = |told| Admitted::of(told, clock, (log.middle_s(), ends_s), sample_time_s);
-    let admitted: Vec<Admitted> = told.iter().map(of_told).collect();
+    let phases = |one| Admitted::of(one, clock, (log.middle_s(), ends_s), sample_time_s);
+    let admitted: Vec<Admitted> = from_commands.iter().map(phases).collect();
     let Admitted(joined) = Admitted([(0.0, 0.0); 2]).joined(&admitted);
     KnownClock::Ends([0, 1].map(|end| {
         let (at_s, (least_s, most_s)) = (ends_s[end], joined[end]);
@@ -71,7 +75,7 @@ pub(super) fn known_clock(told: &[ToldClock], clock: LoggerClock, log: &Log) -> 
         KnownPhase {
             at_s,
             value_s: clock.phase_at_s(at_s) + least_s + half_s,
-            sd_s: (EVEN_SD * half_s).max(TOLD_PHASE_SD * interval_s),
+            sd_s: (EVEN_SD * half_s).max(PHASE_SD_MIN * interval_s),
             reach_s: half_s + FITTED_SLACK * interval_s,
         }
     }))
@@ -104,7 +108,7 @@ mod tests {
         let evidence = gather(&plant, [&log]).unwrap();
         let log = &evidence.logs[0];
         let KnownClock::Ends(ends) = log.known_clock else {
-            panic!("the commands tell it");
+            panic!("the commands determine it");
         };
         for known in ends {
             let off_s = clock.phase_at_s(known.at_s) - known.value_s;
