@@ -48,9 +48,8 @@ impl NoiseEstimate {
 impl SensorNoise {
     /// Adds the noise estimates of a log.
     pub(super) fn add(&mut self, measured: &[Measured]) {
-        let estimate = |signal: &Measured| {
-            NoiseEstimate::of(signal.name, &signal.floor, signal.interval_s)
-        };
+        let estimate =
+            |signal: &Measured| NoiseEstimate::of(signal.name, &signal.floor, signal.interval_s);
         self.0.extend(measured.iter().filter_map(estimate));
     }
 

@@ -236,7 +236,8 @@ fn a_diagnosis_ends_with_whoever_listens() {
     // A later request for the job gets its end.
     let events = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(
-        events.lines()
+        events
+            .lines()
             .rfind(|line| line.starts_with("data: "))
             .unwrap()
             .trim_start_matches("data: "),
