@@ -400,7 +400,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                 })
                 .count();
             format!(
-                "nothing detectable is missing; {shown} of {} effects have a detection limit on these logs",
+                "nothing detectable is missing; {shown} of {} effects would show above the sizes listed",
                 candidates.len()
             )
         }
