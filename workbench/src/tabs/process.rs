@@ -159,6 +159,8 @@ impl Tab {
             .args(&self.worker.arguments)
             .arg(&self.project)
             .arg(self.worker.memory_bytes.to_string())
+            // A backtrace needs memory: where it has run out, the process would wait for itself instead of ending.
+            .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .kill_on_drop(true)
