@@ -5,7 +5,7 @@ use std::sync::Arc;
 use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{CurrentSampling, Surroundings, united};
-use recording::{Provenance, Recording, TimeBase, Unit, own_rows};
+use recording::{OwnSamples, Provenance, Recording, TimeBase, Unit};
 
 use crate::commands::{Commands, DUTIES, shared};
 use crate::conditions::LogConditions;
@@ -255,22 +255,15 @@ impl Lab<'_> {
             let times_s = self.setup.base.times_s();
             let errors: Vec<f64> = errors.iter().collect();
             let floors = (sigma, expected);
-            let Some(rows) = own_rows(&signal.values) else {
+            let Some(own) = OwnSamples::of(times_s, &signal.values) else {
                 let values = &signal.values;
                 return summary(&errors, values, times_s, floors, &self.inputs, horizon);
             };
-            let of_rows = |values: &[f64]| picked(values, &rows);
+            let of_rows = |values: &[f64]| picked(values, &own.rows);
             let duties_pct = [FILL, VENT].map(|valve| of_rows(&self.commands.duty_pct[valve]));
             let inputs = [FILL, VENT].map(|valve| Input::new(DUTIES[valve], &duties_pct[valve]));
-            let (errors, values) = (of_rows(&errors), of_rows(&signal.values));
-            summary(
-                &errors,
-                &values,
-                &of_rows(times_s),
-                floors,
-                &inputs,
-                horizon,
-            )
+            let errors = of_rows(&errors);
+            summary(&errors, &own.values, &own.times_s, floors, &inputs, horizon)
         };
         let free_run = summary(free, sigma, Horizon::FreeRun);
         let (limit, limit_from) = self.limit(signal);
@@ -342,10 +335,10 @@ impl Lab<'_> {
     fn time_offset(&self, signal: &Measured) -> Option<TimeOffset> {
         let rows = self.commands.gaps.longest(self.fine_run.rows);
         let (times_s, values) = (&self.commands.times_s[rows.clone()], &signal.values[rows]);
-        let own = own_rows(values).map(|rows| [times_s, values].map(|all| picked(all, &rows)));
+        let own = OwnSamples::of(times_s, values);
         let (times_s, values) = match &own {
             None => (times_s, values),
-            Some([times_s, values]) => (&times_s[..], &values[..]),
+            Some(own) => (&own.times_s[..], &own.values[..]),
         };
         let fine = self.fine_run.columns.get(signal.name)?;
         let fine_times_s = &self.fine_run.times_s;

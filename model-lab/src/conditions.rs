@@ -33,21 +33,20 @@ impl Conditions {
         log_ns: u64,
         issued_ns: Option<u64>,
     ) -> ReplayInput {
-        let (time_ns, issued_ns) = match self.clock.zip(issued_ns) {
-            None => (input.time_ns, input.issued_ns),
+        let (time_ns, shown_ns, issued_ns) = match self.clock.zip(issued_ns) {
+            None => (input.time_ns, input.shown_ns, input.issued_ns),
             Some((clock, issued_ns)) => {
                 // Time that was removed from pauses before the row.
                 let taken_ns = log_ns - input.time_ns;
                 let on_ecu = |log_ns| clock.ecu_time_ns(log_ns).saturating_sub(taken_ns);
                 let shown_ns = on_ecu(shown_log_ns(&input, log_ns));
-                (
-                    on_ecu(log_ns),
-                    issued_ns.saturating_sub(taken_ns).min(shown_ns),
-                )
+                let issued_ns = issued_ns.saturating_sub(taken_ns).min(shown_ns);
+                (on_ecu(log_ns), shown_ns, issued_ns)
             }
         };
         ReplayInput {
             time_ns: time_ns + self.pwm_lead_ns,
+            shown_ns: shown_ns + self.pwm_lead_ns,
             issued_ns: issued_ns + self.pwm_lead_ns,
             ..input
         }

@@ -6,12 +6,12 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{SUPPLY_PRESSURE, drives_supply, signals, unknown_signals};
-use recording::{Bounds, Quantity, Recording, Signal, TimeBase, Unit, own_rows};
+use recording::{Bounds, OwnSamples, Quantity, Recording, Signal, TimeBase, Unit, median_step_s};
 
 use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
 use crate::gaps::Gap;
-use crate::metrics::{mean, picked, present};
+use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
 
@@ -209,9 +209,8 @@ fn own_base(
 
 /// Returns the median time from sample to sample (s) of a signal at the instants `times_s`; infinite for a single sample.
 fn interval_s(times_s: &[f64], values: &[f64]) -> f64 {
-    let own_s = own_rows(values).map(|rows| picked(times_s, &rows));
-    let base = TimeBase::new(own_s.unwrap_or_else(|| times_s.to_vec())).ok();
-    let step_s = base.and_then(|base| base.sampling().median_step_s);
+    let own = OwnSamples::of(times_s, values);
+    let step_s = median_step_s(own.as_ref().map_or(times_s, |own| &own.times_s));
     step_s.unwrap_or(f64::INFINITY)
 }
 

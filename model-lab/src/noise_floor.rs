@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use plant_sim::plant::{FILL, VENT};
-use recording::own_rows;
+use recording::OwnSamples;
 
 use crate::commands::Commands;
-use crate::metrics::{picked, present};
+use crate::metrics::present;
 use crate::result::NoiseFloor;
 
 /// Time after which a valve has closed and a current has decayed once the output is low (s).
@@ -88,11 +88,11 @@ impl Quiet {
 
 /// Returns the noise floor of `values`, sampled at the instants of `commands`.
 pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &Commands) -> Floor {
-    let own = own_rows(values).map(|rows| OwnRows::of(&commands.times_s, values, rows));
+    let own = OwnSamples::of(&commands.times_s, values);
     let segments = quiet.segments(commands);
     let (segments, times_s, values) = match &own {
         None => (segments, &commands.times_s[..], values),
-        Some(own) => (own.within(&segments), &own.times_s[..], &own.values[..]),
+        Some(own) => (within(own, &segments), &own.times_s[..], &own.values[..]),
     };
     let pieces: Vec<Piece> = pieces(&segments, times_s)
         .into_iter()
@@ -146,30 +146,13 @@ pub(crate) fn noise_floor(values: &[f64], unit: &str, quiet: Quiet, commands: &C
     }
 }
 
-/// Samples of a signal that was sampled at some of the rows only.
-struct OwnRows {
-    rows: Vec<usize>,
-    times_s: Vec<f64>,
-    values: Vec<f64>,
-}
-
-impl OwnRows {
-    fn of(times_s: &[f64], values: &[f64], rows: Vec<usize>) -> Self {
-        Self {
-            times_s: picked(times_s, &rows),
-            values: picked(values, &rows),
-            rows,
-        }
-    }
-
-    /// Returns the samples in each of these intervals of rows that contains any.
-    fn within(&self, segments: &[Range<usize>]) -> Vec<Range<usize>> {
-        let place = |row: usize| self.rows.partition_point(|&own| own < row);
-        let own = segments
-            .iter()
-            .map(|segment| place(segment.start)..place(segment.end));
-        own.filter(|own| !own.is_empty()).collect()
-    }
+/// Returns the samples in each of these intervals of rows that contains any.
+fn within(own: &OwnSamples, segments: &[Range<usize>]) -> Vec<Range<usize>> {
+    let place = |row: usize| own.rows.partition_point(|&own| own < row);
+    let samples = segments
+        .iter()
+        .map(|segment| place(segment.start)..place(segment.end));
+    samples.filter(|samples| !samples.is_empty()).collect()
 }
 
 /// Returns `value` with three significant digits, for people.

@@ -108,6 +108,8 @@ pub struct Replay {
     thermometer_wall_share: f64,
     has_coil: bool,
     command: Command,
+    /// Last command that a row of the log showed; `command` may be the next one already.
+    shown: Command,
     supply_voltage_v: f64,
     /// Supply pressure as shown by its gauge (Pa abs); `None` before one was logged.
     supply_pressure: Option<f64>,
@@ -145,6 +147,7 @@ impl Replay {
             thermometer_wall_share: parameters.gas.thermometer_wall_share,
             has_coil: Part::Coil.is_in(parameters),
             command: Command::default(),
+            shown: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
             supply_pressure: None,
             supply_gauge_offset: parameters.gas.supply_gauge_offset_bar
@@ -235,6 +238,9 @@ impl Replay {
             self.mean_current[coil].at_row(mean, sample.time_ns, sampled)
         });
         self.last = Some(sample);
+        if input.shown_ns == input.time_ns {
+            self.shown = self.command;
+        }
         if let Some(volt) = input.supply_voltage_v
             && volt != self.supply_voltage_v
         {
@@ -251,8 +257,8 @@ impl Replay {
             CurrentSampling::Instant => sample.current,
         };
         [
-            self.command.duty_fill_pct,
-            self.command.duty_vent_pct,
+            self.shown.duty_fill_pct,
+            self.shown.duty_vent_pct,
             (sample.measured_pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
             current[FILL] * 1e3,
             current[VENT] * 1e3,

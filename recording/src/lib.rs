@@ -34,6 +34,6 @@ pub use quantity::Quantity;
 pub use recording::{AddSignalError, LeftOut, MissingSignal, Recording, TimeBaseId};
 pub use signal::Signal;
 pub use start_time::{Clock, StartTime};
-pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError};
+pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError, median_step_s};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};
-pub use united::own_rows;
+pub use united::{OwnSamples, own_rows};

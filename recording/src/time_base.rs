@@ -85,16 +85,13 @@ impl TimeBase {
     /// Returns the regularity of the sampling.
     pub fn sampling(&self) -> Sampling {
         let step_s = |pair: &[f64]| pair[1] - pair[0];
-        let mut steps_s: Vec<f64> = self.times_s.windows(2).map(step_s).collect();
-        if steps_s.is_empty() {
+        let Some(median_s) = median_step_s(&self.times_s) else {
             return Sampling {
                 median_step_s: None,
                 uneven: false,
                 gaps: Vec::new(),
             };
-        }
-        let middle = steps_s.len() / 2;
-        let median_s = *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1;
+        };
         let mut sampling = Sampling {
             median_step_s: Some(median_s),
             uneven: false,
@@ -114,6 +111,13 @@ impl TimeBase {
         }
         sampling
     }
+}
+
+/// Returns the median distance of consecutive instants (s); `None` for fewer than two.
+pub fn median_step_s(times_s: &[f64]) -> Option<f64> {
+    let mut steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps_s.len() / 2;
+    (middle < steps_s.len()).then(|| *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Regularity of a time base.

@@ -17,10 +17,9 @@ const INTERLEAVED: f64 = 0.25;
 const FEWEST: usize = 10;
 
 impl Signal {
-    /// Returns the rows with a value, if the signal was sampled at these rows only, as a slow signal of a log with
-    /// several rates is: at most two thirds of the rows have a value, in turn
-    /// with the others. `None` if it was sampled at every row, so that
-    /// a row without a value is a missing sample; also if it has no value at all.
+    /// Returns the rows with a value if the signal was sampled at these rows only, as a slow signal of a log with
+    /// several rates is: at most two thirds of the rows have a value, in turn with the others. `None` if it was sampled
+    /// at every row, so that a row without a value is a missing sample.
     pub fn own_rows(&self) -> Option<Vec<usize>> {
         own_rows(&self.samples)
     }
@@ -38,6 +37,31 @@ pub fn own_rows(samples: &[f64]) -> Option<Vec<usize>> {
         let present = samples.filter(|(_, sample)| is_present(sample));
         present.map(|(row, _)| row).collect()
     })
+}
+
+/// Samples of a signal that was sampled at some rows only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnSamples {
+    /// Rows of the samples, in order.
+    pub rows: Vec<usize>,
+    /// Instants of the samples (s).
+    pub times_s: Vec<f64>,
+    /// Values of the samples.
+    pub values: Vec<f64>,
+}
+
+impl OwnSamples {
+    /// Returns the samples of a signal with a value or NaN at each of the instants `times_s`; `None` if it was sampled
+    /// at every row.
+    pub fn of(times_s: &[f64], samples: &[f64]) -> Option<Self> {
+        let rows = own_rows(samples)?;
+        let of_rows = |all: &[f64]| rows.iter().map(|&row| all[row]).collect();
+        Some(Self {
+            times_s: of_rows(times_s),
+            values: of_rows(samples),
+            rows,
+        })
+    }
 }
 
 /// Counts of the cells of a signal, which show whether it was sampled at some rows only.

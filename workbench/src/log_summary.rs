@@ -1,6 +1,6 @@
 //! Summary of a log, computed when it is read.
 
-use recording::{Recording, Signal, TimeBase, Unit};
+use recording::{OwnSamples, Recording, Signal, TimeBase, Unit, median_step_s};
 use serde::Serialize;
 
 use crate::shown_unit::unit_of_errors;
@@ -87,7 +87,9 @@ impl LogSummary {
 
 fn signal_view(log: &Recording, signal: &Signal, longest: Option<&TimeBase>) -> SignalView {
     let present = || signal.iter().flatten();
-    let own = own_base(log, signal).filter(|own| Some(own) != longest);
+    let base = log.time_base(signal.time_base());
+    let times_s = base.map_or(&[][..], TimeBase::times_s);
+    let own = OwnSamples::of(times_s, signal.values_or_nan());
     SignalView {
         name: signal.name().to_owned(),
         unit: signal.unit().symbol().to_owned(),
@@ -95,22 +97,17 @@ fn signal_view(log: &Recording, signal: &Signal, longest: Option<&TimeBase>) -> 
         error_unit: unit_of_errors(signal),
         quantity: signal.quantity().to_string(),
         reference: reference(signal.unit()),
-        missing: match signal.own_rows() {
+        missing: match own {
             Some(_) => 0,
             None => signal.missing_count(),
         },
-        own_interval_s: own.and_then(|own| own.sampling().median_step_s),
+        own_interval_s: match &own {
+            Some(own) => median_step_s(&own.times_s),
+            None if base == longest => None,
+            None => median_step_s(times_s),
+        },
         lowest: present().reduce(f64::min),
         highest: present().reduce(f64::max),
-    }
-}
-
-/// Returns the instants at which `signal` was sampled.
-fn own_base(log: &Recording, signal: &Signal) -> Option<TimeBase> {
-    let base = log.time_base(signal.time_base())?;
-    match signal.own_rows() {
-        None => Some(base.clone()),
-        Some(rows) => TimeBase::new(rows.iter().map(|&row| base.times_s()[row]).collect()).ok(),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use recording::{Converter, Quantity, Recording, Signal, TimeBase, Unit};
+use recording::{Converter, Quantity, Recording, Signal, TimeBase, Unit, median_step_s};
 
 use super::error::ReplayError;
 use super::{names, signals, supply};
@@ -182,15 +182,13 @@ impl SlowCommands {
 
 /// Returns the median time between two rows of `base` (s); infinite for a single one.
 fn base_interval_s(base: &TimeBase) -> f64 {
-    base.sampling().median_step_s.unwrap_or(f64::INFINITY)
+    median_step_s(base.times_s()).unwrap_or(f64::INFINITY)
 }
 
 /// Returns the median time between `rows` of `base` (s); infinite for a single one.
 fn interval_s(base: &TimeBase, rows: &[usize]) -> f64 {
-    let times_s = rows.iter().map(|&row| base.times_s()[row]).collect();
-    let of_rows = TimeBase::new(times_s).ok();
-    let step_s = of_rows.and_then(|base| base.sampling().median_step_s);
-    step_s.unwrap_or(f64::INFINITY)
+    let times_s: Vec<f64> = rows.iter().map(|&row| base.times_s()[row]).collect();
+    median_step_s(&times_s).unwrap_or(f64::INFINITY)
 }
 
 impl<'a> Inputs<'a> {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use model_lab::result::Traces;
-use recording::{Recording, Sampling, TimeBase, Unit, own_rows};
+use recording::{OwnSamples, Recording, Sampling, Unit, median_step_s};
 
 /// Instant (s) and value.
 pub(super) type Point = (f64, f64);
@@ -145,19 +145,14 @@ impl<'a> Trace<'a> {
 
     /// Returns the series at the instants at which it was sampled, if it has a lower rate than its rows.
     fn at_own_rows(&self) -> Cow<'_, Self> {
-        let Some(rows) = own_rows(&self.values) else {
-            return Cow::Borrowed(self);
-        };
-        let of_rows = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
-        let times_s: Vec<f64> = of_rows(&self.times_s);
-        let base = TimeBase::new(times_s.clone()).ok();
-        Cow::Owned(Self {
-            values: of_rows(&self.values),
-            times_s: Cow::Owned(times_s),
-            step_s: base
-                .and_then(|base| base.sampling().median_step_s)
-                .unwrap_or(self.step_s),
-        })
+        match OwnSamples::of(&self.times_s, &self.values) {
+            None => Cow::Borrowed(self),
+            Some(own) => Cow::Owned(Self {
+                step_s: median_step_s(&own.times_s).unwrap_or(self.step_s),
+                times_s: Cow::Owned(own.times_s),
+                values: own.values,
+            }),
+        }
     }
 
     fn rows(&self, window_s: &Range<f64>) -> Range<usize> {
@@ -244,7 +239,7 @@ fn thinned(points: &[Point], window_s: &Range<f64>, columns: usize) -> Vec<Point
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use recording::Provenance;
+    use recording::{Provenance, TimeBase};
 
     use super::*;
 

@@ -11,7 +11,7 @@ use plant_sim::replay::{
     CurrentSampling, Inputs, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row, Surroundings,
     check_gap, signals, united,
 };
-use plant_sim::{Command, PlantParameters, Tolerance};
+use plant_sim::{PlantParameters, Tolerance};
 use recording::csv::{Column, Decimals, Options, Reader, WriteError};
 use recording::{DefectCounter, Defects, OpenLog, Provenance, Recording, Unit};
 use schemars::JsonSchema;
@@ -250,8 +250,6 @@ struct Model<'a> {
     start: &'a SimulationStart,
     conditions: &'a LogConditions,
     sampling: CurrentSampling,
-    /// Last command that a row showed.
-    shown: Command,
     start_s: Option<f64>,
     end_s: f64,
     rows: u64,
@@ -271,7 +269,6 @@ impl<'a> Model<'a> {
             start,
             conditions,
             sampling,
-            shown: Command::default(),
             start_s: None,
             end_s: 0.0,
             rows: 0,
@@ -289,9 +286,6 @@ impl<'a> Model<'a> {
         self.held_commands += u64::from(input.command.is_none());
         let time_ns = ((time_s - start_s) * 1e9).round() as u64;
         let shown_ns = time_ns + (input.shown_ns - input.time_ns);
-        if let Some(command) = input.command.filter(|_| shown_ns == time_ns) {
-            self.shown = command;
-        }
         let input = ReplayInput {
             time_ns,
             shown_ns,
@@ -301,9 +295,7 @@ impl<'a> Model<'a> {
         let input = self.conditions.on_ecu_time(input, time_ns);
         let at = (input, time_s - start_s);
         let row = self.start.row(&mut self.replay, self.conditions, at);
-        let mut row = row.ok_or_else(|| ReplayError::aborted(time_ns))?;
-        [row[0], row[1]] = [self.shown.duty_fill_pct, self.shown.duty_vent_pct];
-        Ok(row)
+        row.ok_or_else(|| ReplayError::aborted(time_ns))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Statistics of one time series: histogram and power spectral density.
 
-use recording::{TimeBase, own_rows};
+use recording::{OwnSamples, median_step_s};
 use serde::{Deserialize, Serialize};
 
 use super::details::{residual_of, unit_of_errors};
@@ -138,18 +138,14 @@ impl Trace {
             .collect();
         let times_s = &base.times_s()[within];
         // A signal of a lower rate than its rows has no gaps between its samples.
-        let (times_s, values) = match own_rows(&shown) {
+        let (times_s, values) = match OwnSamples::of(times_s, &shown) {
             None => (times_s.to_vec(), shown),
-            Some(rows) => {
-                let of_rows = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
-                (of_rows(times_s), of_rows(&shown))
-            }
+            Some(own) => (own.times_s, own.values),
         };
-        let own = TimeBase::new(times_s.clone()).ok();
         Ok(Self {
             unit,
             noise,
-            step_s: own.and_then(|own| own.sampling().median_step_s),
+            step_s: median_step_s(&times_s),
             times_s,
             values,
         })
