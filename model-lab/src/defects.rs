@@ -1,5 +1,7 @@
 //! Defects of a log as a result reports them.
 
+use std::ops::Range;
+
 use plant_sim::parameters::PA_PER_BAR;
 use recording::Recording;
 
@@ -19,9 +21,9 @@ impl LogDefects {
     /// Returns the defects of `log`, whose chamber pressure is `pressure`.
     pub(crate) fn of(log: &Recording, commands: &Commands, pressure: Option<&Measured>) -> Self {
         let defects = log.defects();
-        let restart_bar = |row: usize| {
+        let restart_bar = |rows: &Range<usize>| {
             let restarts = pressure.map_or(&[][..], |pressure| &pressure.restarts);
-            let restart = Restart::at(restarts, row)?;
+            let restart = Restart::last_in(restarts, rows)?;
             Some((restart.pressure - pressure?.ambient) / PA_PER_BAR)
         };
         let gaps: Vec<LogGap> = commands
@@ -31,7 +33,7 @@ impl LogDefects {
                 start_s: gap.start_s,
                 end_s: gap.end_s,
                 samples: gap.rows.len(),
-                restart_bar_gauge: gap.rows.end.checked_sub(1).and_then(restart_bar),
+                restart_bar_gauge: restart_bar(&gap.rows),
             })
             .collect();
         let mut sentences = defects.sentences();

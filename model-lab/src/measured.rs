@@ -1,5 +1,6 @@
 //! Measured signals of the comparison in the unit of the model, with their noise and the start of the simulation.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use plant_sim::PlantParameters;
@@ -86,6 +87,13 @@ impl Restart {
     pub(crate) fn at(restarts: &[Self], row: usize) -> Option<&Self> {
         let place = restarts.binary_search_by_key(&row, |restart| restart.row);
         place.ok().map(|place| &restarts[place])
+    }
+
+    /// Returns the last restart in `rows` from a list in order of rows.
+    pub(crate) fn last_in<'a>(restarts: &'a [Self], rows: &Range<usize>) -> Option<&'a Self> {
+        let next = restarts.partition_point(|restart| restart.row < rows.end);
+        let last = restarts[..next].last()?;
+        rows.contains(&last.row).then_some(last)
     }
 }
 
@@ -240,13 +248,14 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
         let end = hold.map_or(row + 1, |hold| hold.end.min(soon).max(row + 1));
         let rows = row..end;
         let still = (&commands.times_s[rows.clone()], &shown[rows.clone()]);
-        let level_bar = level_above_vacuum(still, sigma, ambient)?;
+        let level_bar = level_above_vacuum(still, sigma, ambient);
         let pressure = |level_bar: f64| level_bar * PA_PER_BAR + ambient;
-        let last = Restart {
+        // None where a pressure of a lower rate has no sample there: then its last sample before counts.
+        let last = level_bar.map(|level_bar| Restart {
             row,
             pressure: pressure(level_bar),
             variance: 1.0 / present(&shown[rows]).count() as f64,
-        };
+        });
         let behind = commands
             .times_s
             .partition_point(|&time_s| time_s < gap.end_s);
@@ -257,7 +266,7 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
             variance: 1.0,
         });
         let sound = rows.filter(|restart| restart.pressure >= least_pressure());
-        Some(sound.chain([last]))
+        Some(sound.chain(last))
     };
     commands.gaps.iter().filter_map(restart).flatten().collect()
 }

@@ -4,7 +4,7 @@ use plant_sim::logger_clock::LoggerClock;
 
 use super::clock_tests::fitted;
 use super::*;
-use crate::bench::{Rate, logged_at_rates};
+use crate::bench::{Rate, logged_at_rates, without_rows};
 use crate::result::ClockSource;
 use crate::{CompareOptions, compare};
 
@@ -123,4 +123,37 @@ fn empty_cells_between_the_samples_of_a_slow_signal_change_nothing() {
         assert_eq!(own.noise_floor, empty.noise_floor);
     }
     assert_eq!(own.clock, empty.clock);
+}
+
+/// Defect seen: after a gap the model went on with the last command, because the slow pressure has no sample in the row of the restart.
+#[test]
+fn the_model_begins_again_at_the_last_sample_of_a_slow_pressure() {
+    let plant = fitted();
+    for begin_s in [0.0, 1e-3, 2e-3, 3e-3] {
+        let rates: [Rate; 2] = [
+            (&["duty_fill", "duty_vent", "i_fill", "i_vent"], 1e-3, 0.0),
+            (&["p_ch"], 5e-3, begin_s),
+        ];
+        let log = logged_at_rates(&plant, CLOCK, &rates);
+        let united = united(&plant, &log).into_owned();
+        let comparison = compare(
+            &plant,
+            &without_rows(&united, 5_000..8_000),
+            &CompareOptions::default(),
+        );
+        let comparison = comparison.unwrap();
+        let [gap] = &comparison.defects.gaps[..] else {
+            panic!("{:?}", comparison.defects);
+        };
+        assert!(gap.restart_bar_gauge.is_some(), "{begin_s}: {gap:?}");
+        let errors = comparison
+            .signals
+            .iter()
+            .map(|signal| signal.free_run.rms_in_noise.unwrap());
+        assert!(
+            errors.clone().all(|error| error < 1.3),
+            "{begin_s}: {:?}",
+            errors.collect::<Vec<_>>()
+        );
+    }
 }

@@ -159,10 +159,10 @@ impl Tab {
             .args(&self.worker.arguments)
             .arg(&self.project)
             .arg(self.worker.memory_bytes.to_string())
-            // A backtrace needs memory: where it has run out, the process would wait for itself instead of ending.
-            .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
+            // A backtrace needs memory: where it has run out, the process would wait for itself instead of ending.
+            .env("RUST_BACKTRACE", "0")
             .kill_on_drop(true)
             .spawn()?;
         let (Some(output), Some(input)) = (child.stdout.take(), child.stdin.take()) else {
