@@ -10,7 +10,7 @@ use super::effect_unknown::EffectUnknown;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
-use super::log::{Log, Run};
+use super::log::Log;
 use super::plausibility::{Practice, plausibility};
 use super::result::{
     BySignal, Candidate, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, OutsideValue,
@@ -20,10 +20,11 @@ use super::search::Tried;
 use super::selection::Selection;
 use super::trial::{Bench, Trial};
 use super::unknowns::{AT_BOUND, Unknown};
-use super::verdict::{ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
+use super::verdict::{ADDS_UP_FLOORS, ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
 use super::words::spaced;
 use crate::compare::compare_under;
 use crate::options::CompareOptions;
+use crate::result::Horizon;
 
 /// Ratio of an interval's end to the value above which a size counts as undetermined.
 const LOOSEST: f64 = 10.0;
@@ -76,13 +77,13 @@ pub(crate) fn step(bench: &Bench, trial: &Trial, plain: &Trial, kind: StepKind) 
 }
 
 fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
-    let (conditions, run) = (&trial.checked_conditions, Run::Free);
+    let (conditions, horizon) = (&trial.checked_conditions, Horizon::FreeRun);
     let residuals =
         bench
             .checking
-            .residuals_on(&trial.plant(), conditions, run, Tolerance::default());
+            .residuals_on(&trial.plant(), conditions, horizon, Tolerance::default());
     residuals.map_or_else(BySignal::new, |residuals| {
-        Errors::new(bench.checking, &residuals, Run::Free).rms()
+        Errors::new(bench.checking, &residuals, Horizon::FreeRun).rms()
     })
 }
 
@@ -328,6 +329,7 @@ pub(crate) struct Answer<'a> {
     /// Whether a material error is left.
     pub(crate) is_unexplained: bool,
     pub(crate) is_converged: bool,
+    pub(crate) horizon: Horizon,
     pub(crate) steps: &'a [Step],
     pub(crate) candidates: &'a [Candidate],
     pub(crate) outside: &'a [OutsideValue],
@@ -341,6 +343,7 @@ impl<'a> From<&'a Diagnosis> for Answer<'a> {
             verdict: diagnosis.verdict,
             is_unexplained: diagnosis.unexplained,
             is_converged: diagnosis.is_converged,
+            horizon: diagnosis.horizon,
             steps: &diagnosis.error_steps,
             candidates: &diagnosis.candidates,
             outside: &diagnosis.outside,
@@ -350,12 +353,21 @@ impl<'a> From<&'a Diagnosis> for Answer<'a> {
     }
 }
 
+/// Returns the words that follow an error of `horizon`; none for the usual horizon.
+pub(super) fn in_words(horizon: Horizon) -> &'static str {
+    match horizon {
+        Horizon::OneStepAhead => "",
+        Horizon::FreeRun => " in free run",
+    }
+}
+
 /// Returns the answer in words.
 pub(crate) fn sentence(answer: &Answer) -> String {
     let &Answer {
         verdict,
         is_unexplained,
         is_converged,
+        horizon,
         steps,
         candidates,
         outside,
@@ -385,6 +397,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         .last()
         .map_or(0.0, |step| 100.0 * step.explained_share);
     let floors = steps.last().map_or(1.0, Step::worst_in_noise);
+    let in_free_run = steps.last().map_or(1.0, Step::worst_free_run_in_noise);
     let too_little = format!(
         "what is left, {floors:.2} times the noise, is too little to say whether physics is missing"
     );
@@ -399,8 +412,16 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                     matches!(candidate.detection_limit, DetectionLimit::Size { .. })
                 })
                 .count();
+            let (missing, added_up) = if in_free_run > ADDS_UP_FLOORS {
+                let added_up = format!(
+                    "in free run the errors add up to {in_free_run:.1} times the noise, which no effect of the library explains; "
+                );
+                ("nothing detectable is missing one step ahead", added_up)
+            } else {
+                ("nothing detectable is missing", String::new())
+            };
             format!(
-                "nothing detectable is missing; {shown} of {} effects would show above the sizes listed",
+                "{missing}; {added_up}{shown} of {} effects would show above the sizes listed",
                 candidates.len()
             )
         }
@@ -428,9 +449,10 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         }
         Verdict::Found => {
             let found = format!(
-                "missing: {}; with {} {share:.0} % of the excess error is explained",
+                "missing: {}; with {} {share:.0} % of the excess error{} is explained",
                 named.join(" and "),
                 if named.len() == 1 { "it" } else { "them" },
+                in_words(horizon),
             );
             let is_beyond = steps
                 .iter()

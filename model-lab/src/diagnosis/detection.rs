@@ -6,7 +6,6 @@ use plant_sim::effects::EffectSetting;
 use super::effect_unknown::EffectUnknown;
 use super::errors::Errors;
 use super::fit::Fitter;
-use super::log::Run;
 use super::result::{DetectionLimit, FittedParameter};
 use super::trial::{Bench, Trial};
 use super::unknowns::{Unknown, Unknowns};
@@ -91,7 +90,7 @@ fn visibility(bench: &Bench, base: &Trial, unknowns: &Unknowns, size: f64) -> Op
         .collect();
     hide(bench, base, &mut change)?;
     let chance = (dot(&change, &change) / base.correlation_samples / DETECTABLE).sqrt();
-    let errors = Errors::new(bench.fitting, &change, Run::Predicted);
+    let errors = Errors::new(bench.fitting, &change, bench.fitting.horizon);
     Some(chance.min(errors.over_material()))
 }
 

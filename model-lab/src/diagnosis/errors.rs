@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::evidence::Evidence;
-use super::log::Run;
 use super::result::BySignal;
 use super::verdict::{CHANCE, MATERIAL_EXCESS};
 use crate::measured::is_current;
+use crate::result::Horizon;
 
 /// Sums over the samples of one signal in all logs.
 #[derive(Debug, Clone, Default)]
@@ -37,13 +37,13 @@ impl Sums {
 pub(crate) struct Errors(BTreeMap<&'static str, Sums>);
 
 impl Errors {
-    pub(crate) fn new(evidence: &Evidence, residuals: &[f64], run: Run) -> Self {
+    pub(crate) fn new(evidence: &Evidence, residuals: &[f64], horizon: Horizon) -> Self {
         let mut by_signal: BTreeMap<&'static str, Sums> = BTreeMap::new();
         for (log, channel, range) in evidence.channels() {
             let sums = by_signal.entry(channel.signal).or_default();
             for (row, residual) in residuals[range].iter().enumerate() {
                 if log.counted[row] && !channel.values[row].is_nan() {
-                    let floor = log.floor(channel, run, row);
+                    let floor = log.floor(channel, horizon, row);
                     sums.count += 1.0;
                     sums.square += (residual * floor).powi(2);
                     sums.floor_square += floor * floor;

@@ -6,15 +6,18 @@ use std::time::Instant;
 use plant_sim::replay::CurrentSampling;
 use plant_sim::{PlantParameters, Tolerance};
 
-use super::log::{Channel, Log, Residuals, Run};
+use super::log::{Channel, Log, Residuals};
 use super::unknowns::Unknowns;
 use crate::conditions::Conditions;
+use crate::result::Horizon;
 
 /// All logs of one kind: for training or for validation.
 pub(crate) struct Evidence {
     pub(crate) logs: Vec<Log>,
     /// Whether it is the held-out part of the training logs, so that their conditions are the fitted ones.
     pub(crate) is_rest_of_fitted: bool,
+    /// Simulation whose errors are fitted and judged.
+    pub(crate) horizon: Horizon,
     simulations: AtomicUsize,
     computing_ns: AtomicU64,
 }
@@ -24,6 +27,7 @@ impl Evidence {
         Self {
             logs,
             is_rest_of_fitted: false,
+            horizon: Horizon::OneStepAhead,
             simulations: AtomicUsize::new(0),
             computing_ns: AtomicU64::new(0),
         }
@@ -74,18 +78,22 @@ impl Evidence {
     }
 
     /// Returns the residuals of `parameters`; none where the simulation was aborted.
-    pub(crate) fn residuals(&self, parameters: &PlantParameters, run: Run) -> Option<Residuals> {
-        self.residuals_within(parameters, run, Tolerance::default())
+    pub(crate) fn residuals(
+        &self,
+        parameters: &PlantParameters,
+        horizon: Horizon,
+    ) -> Option<Residuals> {
+        self.residuals_within(parameters, horizon, Tolerance::default())
     }
 
     /// Returns the same as [`Self::residuals`], with a given accuracy of the simulation.
     pub(crate) fn residuals_within(
         &self,
         parameters: &PlantParameters,
-        run: Run,
+        horizon: Horizon,
         tolerance: Tolerance,
     ) -> Option<Residuals> {
-        self.residuals_on(parameters, &self.conditions(), run, tolerance)
+        self.residuals_on(parameters, &self.conditions(), horizon, tolerance)
     }
 
     /// Returns the conditions, log after log.
@@ -154,7 +162,7 @@ impl Evidence {
         &self,
         parameters: &PlantParameters,
         conditions: &[Conditions],
-        run: Run,
+        horizon: Horizon,
         tolerance: Tolerance,
     ) -> Option<Residuals> {
         let begin = Instant::now();
@@ -165,7 +173,7 @@ impl Evidence {
             .zip(conditions)
             .try_for_each(|(log, conditions)| {
                 let timing = (conditions, log.issued_ns());
-                log.residuals_into(parameters, timing, (run, tolerance), &mut all)
+                log.residuals_into(parameters, timing, (horizon, tolerance), &mut all)
             });
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let elapsed_ns = begin.elapsed().as_nanos() as u64;

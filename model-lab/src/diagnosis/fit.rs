@@ -11,10 +11,11 @@ use plant_sim::Tolerance;
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
-use super::log::{Residuals, Run};
+use super::log::Residuals;
 use super::unknowns::{Unknown, Unknowns};
 use super::vector::{dot, square};
 use crate::measured::is_current;
+use crate::result::Horizon;
 
 /// Largest number of iterations of a fit that is only begun, and of a whole one.
 const FIRST_ITERATIONS: usize = 5;
@@ -133,7 +134,7 @@ pub(crate) struct Fitter<'a> {
     pub(crate) evidence: &'a Evidence,
     pub(crate) unknowns: &'a Unknowns,
     tolerance: Tolerance,
-    pub(crate) run: Run,
+    pub(crate) horizon: Horizon,
     /// Steps of forward differences, over the usual ones.
     pub(crate) step_scale: f64,
     /// Smallest decrease that counts, as a share of the cost, ...
@@ -214,7 +215,7 @@ impl<'a> Fitter<'a> {
             evidence,
             unknowns,
             tolerance: Tolerance::default(),
-            run: Run::Predicted,
+            horizon: evidence.horizon,
             step_scale: 1.0,
             converged_share: CONVERGED_SHARE,
             converged_excess_share: 0.0,
@@ -259,7 +260,7 @@ impl<'a> Fitter<'a> {
         self.unknowns.conditions(z, &mut conditions);
         let mut residuals =
             self.evidence
-                .residuals_on(&plant, &conditions, self.run, self.tolerance)?;
+                .residuals_on(&plant, &conditions, self.horizon, self.tolerance)?;
         let left_out = self.evidence.channels();
         for (_, _, range) in left_out.filter(|(_, channel, _)| !self.scope.counts(channel.signal)) {
             residuals[range].fill(0.0);

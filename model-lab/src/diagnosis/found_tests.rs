@@ -11,6 +11,7 @@ use super::result::{Diagnosis, OutsideValue, StepKind, Verdict};
 use super::split::Split;
 use super::{diagnose, diagnose_with, fix};
 use crate::bench::{Bench, logged, logged_through};
+use crate::result::Horizon;
 
 /// Returns a bench whose plant was changed.
 fn bench(change: impl FnOnce(&mut PlantParameters)) -> Bench {
@@ -192,6 +193,7 @@ fn what_explains_as_much_as_a_wrong_value_is_listed() {
             verdict: Verdict::PlantFileWrong,
             is_unexplained: false,
             is_converged: true,
+            horizon: Horizon::OneStepAhead,
             steps: &[],
             candidates: &[],
             outside: std::slice::from_ref(&outside),
@@ -222,7 +224,8 @@ fn the_drift_of_the_validation_log_frees_a_clock_that_is_stuck() {
     };
     let phases = Bench::default().phases.repeat(2);
     let log = |seed| logged_through(&plant, (clock, 10e-3), seed, &phases);
-    let (mut split, _) = Split::that_shows(&plant, &[log(1)], &[log(2)]).unwrap();
+    let (mut split, _) =
+        Split::that_shows(&plant, (&[log(1)], &[log(2)]), Horizon::OneStepAhead).unwrap();
     let stuck = LoggerClock::with_phase_at(0.0, 4e-3, clock.drift_ppm - 100.0);
     split.checking.logs[0].set_clock(clock.later(0.01), &plant);
     split.fitting.logs[0].set_clock(stuck.later(0.01), &plant);

@@ -23,7 +23,9 @@ use crate::measured::{
     GAS_TEMPERATURE, Measured, PRESSURE, Restart, is_current, is_fitted_signal, start,
 };
 use crate::metrics::picked;
-use crate::result::{ClockSource, FoundClock, FoundStart, LogDefects, NotCompared, Warning};
+use crate::result::{
+    ClockSource, FoundClock, FoundStart, Horizon, LogDefects, NotCompared, Warning,
+};
 
 /// Interval of its samples (s) below which a current is an instantaneous value; with a longer one it may be a mean.
 const SCOPE_INTERVAL_S: f64 = 2e-4;
@@ -108,15 +110,6 @@ pub(crate) struct Channel {
     /// Standard deviation of the measurement noise, or where that is less, the error that a correct model may have: a better sensor does
     /// not make the model better.
     pub(crate) sigma: f64,
-}
-
-/// Type of a simulation and its error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Run {
-    /// Prediction, corrected by the measured pressure.
-    Predicted,
-    /// Free-run simulation, driven by the commands alone.
-    Free,
 }
 
 /// Errors of a model over those of a perfect model, (measured - modelled) / floor; 0 where the measurement is missing or does not count.
@@ -243,7 +236,7 @@ impl Log {
         &self,
         parameters: &PlantParameters,
         clock: Option<LoggerClock>,
-        run: Run,
+        horizon: Horizon,
     ) -> Option<Residuals> {
         let issued_ns = clock.map(|clock| self.issued_by(clock, parameters));
         let conditions = Conditions {
@@ -255,7 +248,7 @@ impl Log {
         self.residuals_into(
             parameters,
             (&conditions, issued_ns),
-            (run, Tolerance::default()),
+            (horizon, Tolerance::default()),
             &mut residuals,
         )?;
         Some(residuals)
@@ -386,7 +379,7 @@ impl Log {
         self.run(
             parameters,
             (&Conditions::default(), &[]),
-            (Run::Free, Tolerance::default()),
+            (Horizon::FreeRun, Tolerance::default()),
             |row, values| {
                 let span_s = self.commands.times_s[row] - last_s;
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
@@ -414,7 +407,7 @@ impl Log {
         &self,
         parameters: &PlantParameters,
         (conditions, issued_ns): (&Conditions, &[u64]),
-        (run, tolerance): (Run, Tolerance),
+        (horizon, tolerance): (Horizon, Tolerance),
         mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
         let without_supply;
@@ -427,7 +420,7 @@ impl Log {
         let mut replay = self.begin(parameters, conditions, tolerance);
         for index in 0..self.inputs.len() {
             let issued_ns = issued_ns.get(index).copied();
-            let row = self.step(&mut replay, index, (conditions, issued_ns), run)?;
+            let row = self.step(&mut replay, index, (conditions, issued_ns), horizon)?;
             see(index, &row);
         }
         Some(())
@@ -451,14 +444,14 @@ impl Log {
         replay: &mut Replay,
         index: usize,
         (conditions, issued_ns): (&Conditions, Option<u64>),
-        run: Run,
+        horizon: Horizon,
     ) -> Option<Row> {
         let input = conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns);
         let time_s = self.commands.times_s[index];
         let warmth = self.start.warmth(replay, conditions, time_s);
         let row = self.start.row(replay, input, warmth)?;
         self.start.restart(replay, index);
-        if let Some(channel) = self.pressure().filter(|_| run == Run::Predicted) {
+        if let Some(channel) = self.pressure().filter(|_| horizon == Horizon::OneStepAhead) {
             let error = channel.values[index] - row[channel.column];
             let gain = self.predictor.gains[index];
             if error.is_finite() && gain > 0.0 {
@@ -473,11 +466,11 @@ impl Log {
     /// Returns the rows of the model, corrected by the measured pressure; none where the simulation was aborted.
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
-        let run = (Run::Predicted, Tolerance::default());
+        let horizon = (Horizon::OneStepAhead, Tolerance::default());
         self.run(
             parameters,
             (&self.conditions, &self.issued_ns),
-            run,
+            horizon,
             |_, row| rows.push(*row),
         )?;
         Some(rows)
@@ -488,7 +481,7 @@ impl Log {
         &self,
         parameters: &PlantParameters,
         (conditions, issued_ns): (&Conditions, &[u64]),
-        (run, tolerance): (Run, Tolerance),
+        (horizon, tolerance): (Horizon, Tolerance),
         all: &mut Residuals,
     ) -> Option<()> {
         let rows = self.inputs.len();
@@ -497,12 +490,12 @@ impl Log {
         self.run(
             parameters,
             (conditions, issued_ns),
-            (run, tolerance),
+            (horizon, tolerance),
             |index, row| {
                 for (n, channel) in self.channels.iter().enumerate() {
                     let error = channel.values[index] - row[channel.column];
                     if error.is_finite() && self.counted[index] {
-                        all[begin + n * rows + index] = error / self.floor(channel, run, index);
+                        all[begin + n * rows + index] = error / self.floor(channel, horizon, index);
                     }
                 }
             },
@@ -510,8 +503,8 @@ impl Log {
     }
 
     /// Returns the error of a perfect model at this row, in the unit of the channel.
-    pub(super) fn floor(&self, channel: &Channel, run: Run, row: usize) -> f64 {
-        if channel.signal == PRESSURE && run == Run::Predicted {
+    pub(super) fn floor(&self, channel: &Channel, horizon: Horizon, row: usize) -> f64 {
+        if channel.signal == PRESSURE && horizon == Horizon::OneStepAhead {
             channel.sigma * self.predictor.floors[row]
         } else {
             channel.sigma
@@ -588,9 +581,9 @@ mod tests {
     use crate::metrics::rms;
 
     /// Returns the rms of the errors of `plant` over the noise, of each channel.
-    fn errors(plant: &PlantParameters, log: &Recording, run: Run) -> Vec<f64> {
+    fn errors(plant: &PlantParameters, log: &Recording, horizon: Horizon) -> Vec<f64> {
         let evidence = gather(plant, [log]).unwrap();
-        let residuals = evidence.residuals(plant, run).unwrap();
+        let residuals = evidence.residuals(plant, horizon).unwrap();
         let of = |range: core::ops::Range<usize>| {
             let counted: Vec<f64> = residuals[range]
                 .iter()
@@ -611,12 +604,12 @@ mod tests {
         let opens = (150..duty.len()).find(|&row| duty[row] > 0.0).unwrap();
         for begin in [opens + 1, opens + 30, opens - 20] {
             let paused = without_rows(&whole, begin..begin + 70);
-            for run in [Run::Predicted, Run::Free] {
-                let errors = |log| errors(plant, log, run);
+            for horizon in [Horizon::OneStepAhead, Horizon::FreeRun] {
+                let errors = |log| errors(plant, log, horizon);
                 for (error, of_whole) in errors(&paused).into_iter().zip(errors(&whole)) {
                     assert!(
                         error < 1.3 * of_whole,
-                        "{begin} {run:?}: {error} {of_whole}"
+                        "{begin} {horizon:?}: {error} {of_whole}"
                     );
                 }
             }
@@ -682,7 +675,8 @@ mod tests {
         let whole = bench.measure();
         // The pause ends while the chamber is being vented.
         let paused = without_rows(&whole, 150..215);
-        let [error, of_whole] = [&paused, &whole].map(|log| errors(&plant, log, Run::Predicted)[0]);
+        let [error, of_whole] =
+            [&paused, &whole].map(|log| errors(&plant, log, Horizon::OneStepAhead)[0]);
         assert!(error < 1.3 * of_whole, "{error} {of_whole}");
     }
 }

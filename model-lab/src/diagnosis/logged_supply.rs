@@ -53,12 +53,12 @@ mod tests {
 
     use super::super::diagnose;
     use super::super::gather::gather;
-    use super::super::log::Run;
     use super::super::result::Verdict;
     use super::super::unknowns::{Unknown, Unknowns};
     use super::*;
     use crate::bench::Bench;
     use crate::metrics::rms;
+    use crate::result::Horizon;
 
     fn log(supply_bar: f64) -> Recording {
         let mut log = Recording::new(Provenance::from_source("log"));
@@ -121,7 +121,7 @@ mod tests {
     fn error(log: &Recording) -> f64 {
         let plant = PlantParameters::nominal();
         let evidence = gather(&plant, [log]).unwrap();
-        let residuals = evidence.residuals(&plant, Run::Free).unwrap();
+        let residuals = evidence.residuals(&plant, Horizon::FreeRun).unwrap();
         let (_, _, range) = evidence.channels().next().unwrap();
         rms(&residuals[range]).unwrap()
     }

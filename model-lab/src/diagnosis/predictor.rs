@@ -11,6 +11,7 @@ use plant_sim::PlantParameters;
 
 use crate::commands::Commands;
 use crate::measured::Restart;
+use crate::result::Horizon;
 
 /// Uncertainty of the air that a pulse moves, over the air through a fully open valve in a PWM period: 0.1 ms of 10 ms, the scatter of a
 /// valve's switching times.
@@ -18,10 +19,20 @@ const PULSE_SCATTER: f64 = 0.01;
 /// Variance of a measured initial pressure over that of the noise.
 const START_VARIANCE: f64 = 0.1;
 
-/// Description for people.
-pub(crate) const STATEMENT: &str = "errors are those of the one-step-ahead prediction: after each sample a part of the \
-    pressure error corrects the model, more while a valve switches (the air of a pulse is known to 1 %) and less during a \
-    hold; the noise floor is the error of a perfect model. The free run is driven by the commands alone";
+/// Returns the description of the errors of `horizon` for people.
+pub(crate) fn statement(horizon: Horizon) -> &'static str {
+    match horizon {
+        Horizon::OneStepAhead => {
+            "errors are those of the one-step-ahead prediction: after each sample a part of the pressure error corrects the model, more \
+             while a valve switches (the air of a pulse is known to 1 %) and less during a hold; the noise floor is the error of a \
+             perfect model. The free run is driven by the commands alone"
+        }
+        Horizon::FreeRun => {
+            "errors are those of the free-run simulation, driven by the commands alone: one step ahead less is missing, but the errors \
+             of all pulses add up; the noise floor is that of the sensor"
+        }
+    }
+}
 
 /// Gains, and the errors of a perfect model.
 #[derive(Debug, Clone)]

@@ -18,8 +18,8 @@ use super::selection::Selection;
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
-use super::verdict::CLEARLY_LESS;
-use crate::result::{LogDefects, NotCompared, Warning};
+use super::verdict::{ADDS_UP_FLOORS, CLEARLY_LESS};
+use crate::result::{Horizon, LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/2";
@@ -54,6 +54,8 @@ pub struct Refinement {
     pub warnings: BTreeMap<String, Vec<Warning>>,
     /// Validation data, in words.
     pub held_out: String,
+    /// Horizon of the fitted errors: one step ahead, or free run where that leaves less in free run.
+    pub horizon: Horizon,
     /// The result in words.
     pub sentence: String,
     /// Error steps, beginning with the plant without the requested effects; one row per added effect.
@@ -103,6 +105,34 @@ pub fn refine(
     add: &[(String, Option<String>)],
     watch: Watch,
 ) -> Result<Refined, DiagnoseError> {
+    let logs = (logs, check);
+    let predicted = refine_by(Horizon::OneStepAhead, plant, logs, add, watch)?;
+    if free_run_floors(&predicted) <= ADDS_UP_FLOORS {
+        return Ok(predicted);
+    }
+    let free = refine_by(Horizon::FreeRun, plant, logs, add, watch)?;
+    let (mut answer, other) = if free_run_floors(&free) < free_run_floors(&predicted) {
+        (free, predicted)
+    } else {
+        (predicted, free)
+    };
+    answer.refinement.cost.add(&other.refinement.cost);
+    Ok(answer)
+}
+
+fn free_run_floors(refined: &Refined) -> f64 {
+    let last = refined.refinement.error_steps.last();
+    last.map_or(0.0, Step::worst_free_run_in_noise)
+}
+
+/// Fits the errors of `horizon`.
+fn refine_by(
+    horizon: Horizon,
+    plant: &PlantParameters,
+    (logs, check): (&[Recording], &[Recording]),
+    add: &[(String, Option<String>)],
+    watch: Watch,
+) -> Result<Refined, DiagnoseError> {
     let begin = Instant::now();
     if logs.is_empty() {
         return Err(DiagnoseError::NoLog);
@@ -115,7 +145,7 @@ pub fn refine(
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
     report(watch, "the plain model", 0.0)?;
-    let (mut split, plain) = Split::that_shows(&without, logs, check)?;
+    let (mut split, plain) = Split::that_shows(&without, (logs, check), horizon)?;
     let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;
     let last = &steps[steps.len() - 1];
     if last.leaves_currents() {
@@ -156,7 +186,8 @@ pub fn refine(
         defects: split.defects(),
         warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
-        sentence: sentence(&error_steps),
+        horizon,
+        sentence: sentence(&error_steps, horizon),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
         error_steps,
@@ -231,7 +262,7 @@ fn fitted_effect(
     }
 }
 
-fn sentence(error_steps: &[Step]) -> String {
+fn sentence(error_steps: &[Step], horizon: Horizon) -> String {
     let last = &error_steps[error_steps.len() - 1];
     let added: Vec<String> = error_steps
         .iter()
@@ -239,9 +270,10 @@ fn sentence(error_steps: &[Step]) -> String {
         .map(|id| id.replace('_', " "))
         .collect();
     format!(
-        "with {} {:.0} % of the excess error is explained",
+        "with {} {:.0} % of the excess error{} is explained",
         added.join(" and "),
-        100.0 * last.explained_share.max(0.0)
+        100.0 * last.explained_share.max(0.0),
+        assemble::in_words(horizon)
     )
 }
 

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::words::{significant, spaced};
-pub use crate::result::{ClockSource, FoundClock, FoundStart};
+pub use crate::result::{ClockSource, FoundClock, FoundStart, Horizon};
 use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
@@ -43,6 +43,8 @@ pub struct Diagnosis {
     pub starts: Vec<FoundStart>,
     /// Validation data, in words.
     pub held_out: String,
+    /// Horizon of the fitted and judged errors: one step ahead, or free run where errors within the noise one step ahead add up.
+    pub horizon: Horizon,
     /// Prediction that gives the errors, and their reference, in words.
     pub predictor: String,
     /// Verdict, one of five.
@@ -222,6 +224,15 @@ impl Step {
         let signals = self.check_rms.keys();
         signals
             .map(|signal| self.in_noise(signal))
+            .fold(0.0, f64::max)
+    }
+
+    /// Returns the largest rms error of any signal in free run on the validation data, in noise floors; 0 without signals.
+    #[must_use]
+    pub fn worst_free_run_in_noise(&self) -> f64 {
+        let signals = self.free_run_check_rms.iter();
+        signals
+            .map(|(signal, rms)| rms / self.noise_floor[signal])
             .fold(0.0, f64::max)
     }
 }

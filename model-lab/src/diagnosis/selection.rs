@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::error::DiagnoseError;
 use super::errors::Errors;
 use super::result::Verdict;
-use super::search::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
+use super::search::{Effort, PROSPECT, Tried, Watch, best_form, best_forms, try_all};
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, CLEARLY_LESS, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE,
@@ -74,14 +74,22 @@ pub(crate) fn forward_selection(
     let plain = &found.steps[0];
     let single = best_credible(bench, plain, &found.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
-    let pair = match &single {
-        Some(single) if single.leaves_nothing() => None,
-        Some(single) if !single.is_material() => {
-            best_pair(bench, plain, vec![single.clone()], &found.singles, watch)?
-        }
-        _ => {
-            let firsts = promising(bench, plain, &found.singles);
-            best_pair(bench, plain, firsts, &found.singles, watch)?
+    let firsts = match &single {
+        Some(single) if single.leaves_nothing() => Vec::new(),
+        Some(single) if !single.is_material() => vec![single.clone()],
+        _ => promising(bench, plain, &found.singles),
+    };
+    let pair = match best_pair(bench, plain, firsts, &found.singles, watch)? {
+        None => None,
+        Some(Beside::Both(pair)) => Some(pair),
+        Some(Beside::Alone(alone)) => {
+            let same = found
+                .singles
+                .iter_mut()
+                .find(|tried| tried.id() == alone.id());
+            *same.expect("every effect was tried alone") = *alone;
+            let plain = found.steps.remove(0);
+            return forward_selection(bench, plain, best_forms(found.singles), watch);
         }
     };
     let chain = match pair {
@@ -229,6 +237,14 @@ struct Pair {
     tried: Vec<Tried>,
 }
 
+/// Two effects, fitted together.
+enum Beside {
+    /// Both are needed.
+    Both(Box<Pair>),
+    /// One of them suffices, fitted from the place of the pair: its first fit had ended beside the best one.
+    Alone(Box<Tried>),
+}
+
 /// The effects alone that may be some of those that are missing, the one that explains most first: the best that are sound, and where
 /// these are few, those of which only what they leave, which others may explain, keeps open how strong they are.
 fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
@@ -272,27 +288,30 @@ fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) ->
         .or(Some(trial))
 }
 
-/// The best second effect for each of `firsts`, the most promising first, if both are needed.
+/// The best second effect for each of `firsts`, the most promising first, if both are needed; or an effect that suffices alone.
 fn best_pair(
     bench: &Bench,
     plain: &Trial,
     firsts: Vec<Trial>,
     singles: &[Tried],
     watch: Watch,
-) -> Result<Option<Pair>, DiagnoseError> {
-    let mut best: Option<Pair> = None;
+) -> Result<Option<Beside>, DiagnoseError> {
+    let mut best: Option<Box<Pair>> = None;
     for first in firsts {
         // The same two in the other order differ by what a fit leaves open.
         let ids: Vec<_> = first.effects.iter().map(|effect| effect.id()).collect();
         let has_first = |pair: &Pair| ids.iter().all(|id| pair.last.has(id));
-        if best.as_ref().is_some_and(has_first) {
+        if best.as_deref().is_some_and(has_first) {
             continue;
         }
         let Some(first) = in_best_form(bench, plain, singles, first) else {
             continue;
         };
-        let own = pair_on(bench, plain, first.clone(), singles, watch)?;
-        keep_better(&mut best, own);
+        match pair_on(bench, plain, first.clone(), singles, watch)? {
+            Some(Beside::Both(own)) => keep_better(&mut best, own),
+            Some(alone) => return Ok(Some(alone)),
+            None => {}
+        }
         // Alone, the form of the first is distorted by what the second explains; it may be another one beside it.
         let is_partly = |pair: &Pair| pair.explains_most(plain) && pair.last.is_material();
         if best
@@ -300,27 +319,28 @@ fn best_pair(
             .is_some_and(|pair| has_first(pair) && is_partly(pair))
         {
             for form in alike_forms(bench, plain, &first) {
-                let own = pair_on(bench, plain, form, singles, watch)?;
-                keep_better(&mut best, own);
+                if let Some(Beside::Both(own)) = pair_on(bench, plain, form, singles, watch)? {
+                    keep_better(&mut best, own);
+                }
             }
         }
         // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
         let is_enough = |pair: &Pair| pair.explains_most(plain) || !pair.last.is_material();
-        if best.as_ref().is_some_and(is_enough) {
+        if best.as_deref().is_some_and(is_enough) {
             break;
         }
     }
-    Ok(best)
+    Ok(best.map(Beside::Both))
 }
 
-/// The best second effect beside `first`, if both are needed.
+/// The best second effect beside `first`, if both are needed; or the second one, if it suffices alone.
 fn pair_on(
     bench: &Bench,
     plain: &Trial,
     mut first: Trial,
     singles: &[Tried],
     watch: Watch,
-) -> Result<Option<Pair>, DiagnoseError> {
+) -> Result<Option<Beside>, DiagnoseError> {
     if first.refresh(bench).is_none() {
         return Ok(None);
     }
@@ -334,18 +354,30 @@ fn pair_on(
     else {
         return Ok(None);
     };
-    let needs_both = last.is_further_than(&first) && last.is_further_than(&other);
-    Ok(needs_both.then_some(Pair {
-        first,
-        other,
-        last,
-        tried,
+    if !last.is_further_than(&first) || !last.is_further_than(&other) {
+        return Ok(None);
+    }
+    let named = first.effects.last().expect("one was added").id();
+    let alone = bench.without(&last, named).filter(|alone| {
+        alone.total_square() < CLEARLY_LESS * other.total_square() && !last.is_further_than(alone)
+    });
+    Ok(Some(match alone {
+        Some(alone) => Beside::Alone(Box::new(Tried {
+            setting: alone.effects.last().expect("the second effect").clone(),
+            trial: Some(alone),
+            is_finished: true,
+        })),
+        None => Beside::Both(Box::new(Pair {
+            first,
+            other,
+            last,
+            tried,
+        })),
     }))
 }
 
 /// Takes `pair` for the `best` one where it leaves less; the same two effects in other forms, where they leave clearly less.
-fn keep_better(best: &mut Option<Pair>, pair: Option<Pair>) {
-    let Some(pair) = pair else { return };
+fn keep_better(best: &mut Option<Box<Pair>>, pair: Box<Pair>) {
     let is_better = best.as_ref().is_none_or(|best| {
         let mut effects = pair.last.effects.iter();
         let is_same = effects.all(|effect| best.last.has(effect.id()));

@@ -19,7 +19,7 @@ use super::result::{Cost, FoundClock, FoundStart};
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
 use crate::conditions::Conditions;
-use crate::result::{LogDefects, NotCompared, Warning};
+use crate::result::{Horizon, LogDefects, NotCompared, Warning};
 
 /// Number of blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
@@ -72,10 +72,10 @@ impl Split {
     /// leave parameters or effects undetermined, and all logs are fitted together.
     pub(super) fn that_shows(
         plant: &PlantParameters,
-        logs: &[Recording],
-        check: &[Recording],
+        (logs, check): (&[Recording], &[Recording]),
+        horizon: Horizon,
     ) -> Result<(Self, Trial), DiagnoseError> {
-        let mut given = Self::as_given(plant, logs, check)?;
+        let mut given = Self::as_given(plant, logs, check)?.judged_by(horizon);
         given.fit_conditions(plant);
         let mut plain = given.plain(plant)?;
         if given.find_checked_clocks(plant, &plain)? {
@@ -90,10 +90,17 @@ impl Split {
             let plain = other.plain(plant)?;
             return Ok((other, plain));
         }
-        let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
+        let all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
+        let mut all = all.judged_by(horizon);
         all.fit_conditions(plant);
         let plain = all.plain(plant)?;
         Ok((all, plain))
+    }
+
+    /// Returns the logs, whose errors are those of `run`.
+    fn judged_by(mut self, horizon: Horizon) -> Self {
+        (self.fitting.horizon, self.checking.horizon) = (horizon, horizon);
+        self
     }
 
     fn blocks<'a>(

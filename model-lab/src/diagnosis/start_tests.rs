@@ -10,12 +10,12 @@ use recording::{Provenance, Recording, TimeBase, Unit};
 
 use super::diagnose;
 use super::gather::gather;
-use super::log::Run;
 use super::result::Verdict;
 use super::split::Split;
 use crate::bench::Bench;
 use crate::metrics::rms;
 use crate::noise::Noise;
+use crate::result::Horizon;
 use crate::{CompareOptions, compare};
 
 /// Returns a vessel of 1 l without valves.
@@ -153,7 +153,7 @@ fn the_thermometer_shows_how_warm_the_gas_begins() {
     super::logger_time::fit_conditions(&warm, &mut evidence);
     let excess_k = evidence.logs[0].conditions.start_gas.excess_k;
     assert!((excess_k - 30.0).abs() < 0.2, "{excess_k}");
-    let residuals = evidence.residuals(&warm, Run::Predicted).unwrap();
+    let residuals = evidence.residuals(&warm, Horizon::OneStepAhead).unwrap();
     for (_, channel, range) in evidence.channels() {
         let error = rms(&residuals[range]).unwrap();
         assert!((error - 1.0).abs() < 0.1, "{}: {error}", channel.signal);

@@ -8,7 +8,7 @@ use plant_sim::{PlantParameters, Tolerance};
 use super::errors::Errors;
 use super::evidence::Evidence;
 use super::fit::{Descent, Difference, Fit, Fitter};
-use super::log::{Residuals, Run};
+use super::log::Residuals;
 use super::logger_time::fitted_conditions;
 use super::start::{self, Start, most_promising};
 use super::unknowns::Unknowns;
@@ -260,14 +260,14 @@ impl Bench<'_> {
         (effects, unknowns, fit): (Vec<EffectSetting>, Unknowns, Fit),
     ) -> Option<Trial> {
         let plant = unknowns.plant(&fit.z);
-        let run = Run::Predicted;
+        let horizon = self.fitting.horizon;
         let residuals =
             self.checking
-                .residuals_on(&plant, &conditions, run, Tolerance::default())?;
+                .residuals_on(&plant, &conditions, horizon, Tolerance::default())?;
         Some(Trial {
             correlation_samples: correlation_samples(self.fitting, &fit.residuals),
-            fitted: Errors::new(self.fitting, &fit.residuals, Run::Predicted),
-            checked: Errors::new(self.checking, &residuals, Run::Predicted),
+            fitted: Errors::new(self.fitting, &fit.residuals, horizon),
+            checked: Errors::new(self.checking, &residuals, horizon),
             checked_conditions: conditions,
             effects,
             unknowns,

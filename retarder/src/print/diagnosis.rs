@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use model_lab::diagnosis::result::{
-    Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, FoundClock, FoundStart,
+    Candidate, Cost, DetectionLimit, Diagnosis, FittedParameter, FoundClock, FoundStart, Horizon,
     NuisanceValue, Regime, Step, StepKind, Verdict,
 };
 use model_lab::result::{LogDefects, NotCompared, Warning};
@@ -39,7 +39,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         );
     }
     text += "\n";
-    text += &error_steps(&found.error_steps, terminal);
+    text += &error_steps(&found.error_steps, found.horizon, terminal);
     text += "\n";
     text += &candidates(found, terminal);
     text += "\n";
@@ -69,7 +69,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += "\n";
-    text += &error_steps(&found.error_steps, terminal);
+    text += &error_steps(&found.error_steps, found.horizon, terminal);
     text += "\n";
     let mut table = Table::new(
         [
@@ -181,7 +181,17 @@ fn named(found: &Diagnosis) -> impl Iterator<Item = &Candidate> {
 }
 
 /// Returns the error steps: one falling bar per signal and step.
-fn error_steps(steps: &[Step], terminal: &Terminal) -> String {
+fn error_steps(steps: &[Step], horizon: Horizon, terminal: &Terminal) -> String {
+    let (free_run, rms) = match horizon {
+        Horizon::OneStepAhead => (
+            "free run",
+            "one-step-ahead prediction; free run: driven by the commands alone",
+        ),
+        Horizon::FreeRun => (
+            "",
+            "free-run simulation, driven by the commands alone, in which the errors of all pulses add up",
+        ),
+    };
     let mut table = Table::new(
         [
             ("How the error falls", Align::Left),
@@ -190,7 +200,7 @@ fn error_steps(steps: &[Step], terminal: &Terminal) -> String {
             ("rms", Align::Right),
             ("floor", Align::Right),
             ("unit", Align::Left),
-            ("free run", Align::Right),
+            (free_run, Align::Right),
         ],
         terminal,
     );
@@ -207,6 +217,7 @@ fn error_steps(steps: &[Step], terminal: &Terminal) -> String {
                 Colour::Good
             };
             let free = step.free_run_check_rms.get(signal).copied();
+            let free = free.filter(|_| horizon == Horizon::OneStepAhead);
             table.row([
                 format!("  {signal}").into(),
                 format!("{times:.2}").into(),
@@ -218,9 +229,10 @@ fn error_steps(steps: &[Step], terminal: &Terminal) -> String {
             ]);
         }
     }
-    let explanation = "On the validation data. ×noise: error divided by the noise floor; 1.0 is a perfect model. rms: one-step-ahead \
-        prediction; free run: driven by the commands alone.";
-    table.to_string() + &painted_paragraph(Colour::Faint, explanation, terminal)
+    let explanation = format!(
+        "On the validation data. ×noise: error divided by the noise floor; 1.0 is a perfect model. rms: {rms}."
+    );
+    table.to_string() + &painted_paragraph(Colour::Faint, &explanation, terminal)
 }
 
 /// Returns the name of an error step in words.

@@ -19,11 +19,12 @@ use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
-use crate::diagnosis::log::{Log, Run};
+use crate::diagnosis::log::Log;
 use crate::diagnosis::logger_time::{best_delay_s, find_conditions};
 use crate::diagnosis::search::{Watch, report};
 use crate::diagnosis::split::Split;
 use crate::diagnosis::unknowns::{Unknown, Unknowns};
+use crate::result::Horizon;
 
 /// Difference steps in the last stage over the usual ones: a parameter may be known to a hundredth of its range.
 const FINE: f64 = 0.05;
@@ -91,8 +92,9 @@ pub(super) fn fit(
     fitter.converged_share = CONVERGED_SHARE;
     let start = fitter.at(z).ok_or_else(|| split.not_simulated())?;
     let mut kept = fitter.descend(start.clone(), Descent::Whole);
-    let is_material =
-        |fit: &Fit| Errors::new(&split.fitting, &fit.residuals, Run::Predicted).is_material();
+    let is_material = |fit: &Fit| {
+        Errors::new(&split.fitting, &fit.residuals, Horizon::OneStepAhead).is_material()
+    };
     if kept.as_ref().is_none_or(is_material) {
         fitter.loss = Loss::Forgiving(OUTLIER);
         kept = fitter.descend(start, Descent::Whole);
@@ -132,7 +134,7 @@ fn leaves_more_than_noise(
 ) -> Result<bool, DiagnoseError> {
     let there = Fitter::new(&split.fitting, unknowns).at(z.to_vec());
     let there = there.ok_or_else(|| split.not_simulated())?;
-    Ok(Errors::new(&split.fitting, &there.residuals, Run::Predicted).is_material())
+    Ok(Errors::new(&split.fitting, &there.residuals, Horizon::OneStepAhead).is_material())
 }
 
 /// Fits the parameters that the currents determine, from every possible delay: a delay that is two milliseconds wrong is in another valley.

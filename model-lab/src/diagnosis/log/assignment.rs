@@ -6,8 +6,10 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::{Replay, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
-use super::{Log, Run};
+use super::Log;
+
 use crate::conditions::{Conditions, shown_log_ns};
+use crate::result::Horizon;
 
 /// Number of PWM periods after a command took effect until its effect has shown.
 const SHOWS_PERIODS: f64 = 2.0;
@@ -150,7 +152,7 @@ impl Log {
     ) -> f64 {
         let errors = rows.zip(issued_ns).map(|(row, &issued_ns)| {
             let timing = (conditions, Some(issued_ns));
-            self.step(&mut replay, row, timing, Run::Predicted)
+            self.step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .map_or(f64::INFINITY, |values| self.square_error(&values, row))
         });
         errors.sum()
@@ -203,7 +205,7 @@ impl Log {
             }
             let timing = (&conditions, Some(issued_ns[row]));
             if self
-                .step(&mut replay, row, timing, Run::Predicted)
+                .step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .is_none()
             {
                 return;
@@ -236,7 +238,7 @@ impl Log {
     fn square_error(&self, values: &Row, row: usize) -> f64 {
         let errors = self.channels.iter().map(|channel| {
             let error = channel.values[row] - values[channel.column];
-            error / self.floor(channel, Run::Predicted, row)
+            error / self.floor(channel, Horizon::OneStepAhead, row)
         });
         errors
             .filter(|error| error.is_finite())

@@ -131,11 +131,13 @@ mod tests {
     use plant_sim::replay::ReplayInput;
     use recording::Recording;
 
-    use super::super::{Log, Run};
+    use super::super::Log;
+
     use crate::bench::{logged, without_rows};
     use crate::diagnosis::evidence::Evidence;
     use crate::diagnosis::gather::gather;
     use crate::metrics::rms;
+    use crate::result::Horizon;
     use plant_sim::PlantParameters;
 
     const CLOCK: LoggerClock = LoggerClock {
@@ -155,15 +157,15 @@ mod tests {
         let log = without_rows(&whole, 20_000..21_200);
         let evidence = evidence(&log);
         assert!(evidence.logs[0].inputs.len() < 14_000);
-        for run in [Run::Predicted, Run::Free] {
-            let residuals = evidence.residuals(&plant, run).unwrap();
+        for horizon in [Horizon::OneStepAhead, Horizon::FreeRun] {
+            let residuals = evidence.residuals(&plant, horizon).unwrap();
             for (_, channel, range) in evidence.channels() {
                 let errors = residuals[range].iter().copied();
                 let errors: Vec<f64> = errors.filter(|error| *error != 0.0).collect();
                 let error = rms(&errors).unwrap();
                 assert!(
                     (0.8..1.2).contains(&error),
-                    "{} {run:?}: {error}",
+                    "{} {horizon:?}: {error}",
                     channel.signal
                 );
                 assert!(errors.len() > 3_000, "{}: {}", channel.signal, errors.len());
@@ -213,7 +215,7 @@ mod tests {
         let mut wrong = plant.clone();
         wrong.chamber.volume_m3 *= 1.1;
         let errors = |log: &Log| {
-            log.residuals_assigned(&wrong, Some(CLOCK), Run::Free)
+            log.residuals_assigned(&wrong, Some(CLOCK), Horizon::FreeRun)
                 .unwrap()
         };
         let (begun, all) = (errors(&beginning), errors(whole));

@@ -60,8 +60,8 @@ mod tests {
     use crate::bench::{logged, pressure_alone, without_rows};
     use crate::diagnosis::evidence::Evidence;
     use crate::diagnosis::gather::gather;
-    use crate::diagnosis::log::Run;
     use crate::diagnosis::vector::square;
+    use crate::result::Horizon;
 
     fn ecu(sample_time_s: f64, pwm_frequency_hz: f64) -> EcuParameters {
         EcuParameters {
@@ -94,7 +94,7 @@ mod tests {
         let log = without_rows(&whole, 0..3);
         let mut evidence = gather(&plant, [&log]).unwrap();
         let mean_square = |evidence: &Evidence| {
-            let residuals = evidence.residuals(&plant, Run::Predicted).unwrap();
+            let residuals = evidence.residuals(&plant, Horizon::OneStepAhead).unwrap();
             square(&residuals) / evidence.counted_samples()
         };
         let found = mean_square(&evidence);

@@ -7,7 +7,9 @@ use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
 use rayon::prelude::*;
 
-use crate::diagnosis::log::{Log, Run};
+use crate::diagnosis::log::Log;
+
+use crate::result::Horizon;
 
 /// Length (s) of the beginning: a drift of 100 ppm moves its end by 1.5 ms.
 const BEGINNING_S: f64 = 15.0;
@@ -150,7 +152,7 @@ pub(super) fn loss(
 ) -> f64 {
     let mut plant = plant.clone();
     plant.ecu.command_delay_s = delay_s;
-    let residuals = log.residuals_assigned(&plant, clock, Run::Predicted);
+    let residuals = log.residuals_assigned(&plant, clock, Horizon::OneStepAhead);
     residuals.map_or(f64::INFINITY, |residuals| {
         residuals
             .iter()

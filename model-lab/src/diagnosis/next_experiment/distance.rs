@@ -10,12 +10,12 @@ use super::super::error::DiagnoseError;
 use super::super::evidence::Evidence;
 use super::super::fit::{Difference, Fitter};
 use super::super::gather::gather;
-use super::super::log::Run;
 use super::super::trial::{Bench, Trial};
 use super::super::unknowns::Unknowns;
 use super::super::vector::{dot, square};
 use super::test_signal::Sequence;
 use crate::noise::Noise;
+use crate::result::Horizon;
 
 /// Plant as fitted to the logs.
 pub(super) struct Rival {
@@ -137,7 +137,7 @@ pub(super) fn distance(
         DiagnoseError::NothingToFit { .. } => Unseen::NotShown,
         _ => Unseen::NotSimulated,
     })?;
-    let noise = evidence.residuals(&truth.plant, Run::Predicted);
+    let noise = evidence.residuals(&truth.plant, Horizon::OneStepAhead);
     let noise = noise.ok_or(Unseen::NotSimulated)?;
     let fitter = Fitter::new(&evidence, &model.unknowns);
     let mut fit = fitter.at(model.z.clone()).ok_or(Unseen::NotSimulated)?;

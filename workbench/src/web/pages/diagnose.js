@@ -117,11 +117,13 @@ class Page {
   }
 
   /** Returns the free-run errors, which Compare and Refine show, and the reason why they are larger. */
-  freeRun({ error_steps: steps }) {
+  freeRun({ error_steps: steps, horizon }) {
     const last = steps.at(-1);
     const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])
       .map(([signal, rms]) => `${signal} ${number(rms / last.noise_floor[signal], 3)} × noise`);
-    return element("p", { class: "quiet" }, `These are one-step-ahead errors: the measured pressure corrects the model after each sample. In a free-run simulation, as on Compare and Refine, the errors of all pulses add up: ${times.join(", ")}.`);
+    return element("p", { class: "quiet" }, horizon === "free_run"
+      ? "These are free-run errors, as on Compare and Refine: the commands alone drive the model, and the errors of all pulses add up. One step ahead less is missing."
+      : `These are one-step-ahead errors: the measured pressure corrects the model after each sample. In a free-run simulation, as on Compare and Refine, the errors of all pulses add up: ${times.join(", ")}.`);
   }
 
   alternatives(texts) {
