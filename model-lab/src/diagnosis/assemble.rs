@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use plant_sim::{PlantParameters, Tolerance};
+use plant_sim::PlantParameters;
 use recording::Recording;
 
 use super::detection::{detection_limit, excited};
 use super::effect_unknown::EffectUnknown;
 use super::error::DiagnoseError;
-use super::errors::Errors;
 use super::interval::{half_widths, with_model_error};
 use super::log::Log;
 use super::plausibility::{Practice, plausibility};
@@ -38,7 +37,7 @@ pub(crate) const OUTSIDE: &str =
 
 /// Returns one row per step, the plant as given first.
 pub(crate) fn error_steps(bench: &Bench, found: &Selection) -> Vec<Step> {
-    let refitted = found.within.as_ref().unwrap_or(&found.steps[0]);
+    let refitted = found.within();
     let given = bench.as_given();
     let given = given.iter().map(|given| (StepKind::PlantAsGiven, given));
     let refits = match &found.within {
@@ -70,21 +69,12 @@ pub(crate) fn step(bench: &Bench, trial: &Trial, plain: &Trial, kind: StepKind) 
         fit_rms: trial.fitted.rms(),
         check_rms: trial.checked.rms(),
         noise_floor: trial.checked.floor(),
-        free_run_check_rms: free_run(bench, trial),
+        free_run_check_rms: bench
+            .free_run(trial)
+            .map_or_else(BySignal::new, |errors| errors.rms()),
         explained_share: trial.share_of(plain),
         free_parameters: trial.unknowns.len(),
     }
-}
-
-fn free_run(bench: &Bench, trial: &Trial) -> BySignal {
-    let (conditions, horizon) = (&trial.checked_conditions, Horizon::FreeRun);
-    let residuals =
-        bench
-            .checking
-            .residuals_on(&trial.plant(), conditions, horizon, Tolerance::default());
-    residuals.map_or_else(BySignal::new, |residuals| {
-        Errors::new(bench.checking, &residuals, Horizon::FreeRun).rms()
-    })
 }
 
 /// Returns the result for one effect alone; its detection limit is that on top of `last`, where the named effects are known. A named effect

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::evidence::Evidence;
 use super::result::BySignal;
-use super::verdict::{CHANCE, MATERIAL_EXCESS};
+use super::verdict::{CHANCE, LITTLE_FLOORS, LITTLE_FREE_RUN_FLOORS, MATERIAL_EXCESS};
 use crate::measured::is_current;
 use crate::result::Horizon;
 
@@ -32,9 +32,12 @@ impl Sums {
     }
 }
 
-/// Errors by signal.
+/// Errors of one horizon by signal.
 #[derive(Debug, Clone)]
-pub(crate) struct Errors(BTreeMap<&'static str, Sums>);
+pub(crate) struct Errors {
+    horizon: Horizon,
+    by_signal: BTreeMap<&'static str, Sums>,
+}
 
 impl Errors {
     pub(crate) fn new(evidence: &Evidence, residuals: &[f64], horizon: Horizon) -> Self {
@@ -52,7 +55,7 @@ impl Errors {
             }
         }
         by_signal.retain(|_, sums| sums.count > 0.0);
-        Self(by_signal)
+        Self { horizon, by_signal }
     }
 
     /// Returns the rms error in the unit of each signal.
@@ -77,12 +80,15 @@ impl Errors {
 
     /// Returns whether a signal has more excess than a correct model may have, and more than chance gives for this number of samples.
     pub(crate) fn is_material(&self) -> bool {
-        self.0.values().any(Sums::is_material)
+        self.by_signal.values().any(Sums::is_material)
     }
 
     /// Returns whether a current has a material excess.
     pub(crate) fn is_current_material(&self) -> bool {
-        let mut currents = self.0.iter().filter(|(signal, _)| is_current(signal));
+        let mut currents = self
+            .by_signal
+            .iter()
+            .filter(|(signal, _)| is_current(signal));
         currents.any(|(_, sums)| sums.is_material())
     }
 
@@ -99,18 +105,30 @@ impl Errors {
         each.into_values().fold(0.0, f64::max)
     }
 
+    /// Returns whether they are too small to say whether physics is missing.
+    pub(crate) fn are_little(&self) -> bool {
+        let most = match self.horizon {
+            Horizon::OneStepAhead => LITTLE_FLOORS,
+            Horizon::FreeRun => LITTLE_FREE_RUN_FLOORS,
+        };
+        self.most_floors() <= most
+    }
+
     /// Returns the number of samples of all signals.
     pub(crate) fn count(&self) -> f64 {
-        self.0.values().map(|sums| sums.count).sum()
+        self.by_signal.values().map(|sums| sums.count).sum()
     }
 
     /// Returns the sum of squares in noise standard deviations.
     pub(crate) fn square(&self) -> f64 {
-        self.0.values().map(|sums| sums.normalised_square).sum()
+        self.by_signal
+            .values()
+            .map(|sums| sums.normalised_square)
+            .sum()
     }
 
     fn each(&self, figure: impl Fn(&Sums) -> f64) -> BySignal {
-        self.0
+        self.by_signal
             .iter()
             .map(|(signal, sums)| ((*signal).to_owned(), figure(sums)))
             .collect()

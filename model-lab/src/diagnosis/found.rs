@@ -20,6 +20,7 @@ use super::selection::{self, Selection};
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::verdict::CLEARLY_LESS;
+use crate::result::Horizon;
 
 /// Share of the decrease of the squared error by an effect from which on a better fit of the plain plant accounts for it.
 const MOST: f64 = 0.5;
@@ -32,9 +33,54 @@ pub(crate) fn find(
     plain: Trial,
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
+    let base = plain.clone();
+    find_on(split, plant, library, (plain, &base), watch)
+}
+
+/// Finds what the plant lacks in the errors of the free run, where errors add up that are within the noise one step ahead. `predicted` was
+/// found one step ahead. None, with the former horizon, where the effects of the library do not explain these errors.
+pub(crate) fn find_in_free_run(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    predicted: &Selection,
+    watch: Watch,
+) -> Result<Option<Selection>, DiagnoseError> {
+    let before = split.conditions();
+    split.take_conditions(predicted.within());
+    split.judge_in(Horizon::FreeRun);
+    report(watch, "the plain model in free run", 0.0)?;
+    // Without the missing effect, the plant fitted in free run is farther from the truth than the one fitted one step ahead: a fit with the
+    // effect begins there.
+    let base = split
+        .bench(plant, library)
+        .at_the_place_of(predicted.within());
+    let mut base = base.ok_or_else(|| split.not_simulated())?;
+    let plain = split.plain_from(plant, &base.plant())?;
+    // What the fit in free run takes away is correlated over the whole log; an effect does not have to show beside it.
+    base.correlation_samples = plain.correlation_samples;
+    let found = find_on(split, plant, library, (plain, &base), watch)?;
+    let is_explained = matches!(found.verdict(), Verdict::Found | Verdict::Adequate);
+    let mut named = predicted.last().effects.iter();
+    if is_explained && named.all(|effect| found.last().has(effect.id())) {
+        return Ok(Some(found));
+    }
+    split.judge_in(Horizon::OneStepAhead);
+    split.replace_conditions(&before);
+    Ok(None)
+}
+
+/// Finds what `plain` lacks, with fits of effects that begin at `base`.
+fn find_on(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, base): (Trial, &Trial),
+    watch: Watch,
+) -> Result<Selection, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
     let adequate = wide.filter(Trial::leaves_little);
-    let found = select_from(split, plant, library, plain.clone(), watch)?;
+    let found = select_from(split, plant, library, (plain.clone(), base), watch)?;
     if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
         let outside = assemble::outside(&plain, &wide);
         let mut values = outside.iter().map(|value| (&value.name, value.value));
@@ -44,7 +90,8 @@ pub(crate) fn find(
             return Ok(found.or(wide));
         }
         let rival = is_as_good.then(|| found.last().clone());
-        let wide = select_from(split, plant, library, wide, watch)?;
+        let base = wide.clone();
+        let wide = select_from(split, plant, library, (wide, &base), watch)?;
         return Ok(wide.beyond(plain, rival));
     }
     Ok(found)
@@ -59,20 +106,27 @@ fn widened(bench: &Bench, plain: &Trial, watch: Watch) -> Result<Option<Trial>, 
     Ok(bench.widened(plain))
 }
 
-/// Selects effects on top of `plain`. The best single effect may show clocks and commands of the logs that `plain` did not.
+/// Selects effects on top of `plain`, with fits that begin at `base`. The best single effect may show clocks and commands of the logs that `plain` did not.
 fn select_from(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    mut plain: Trial,
+    (mut plain, base): (Trial, &Trial),
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
-    if plain.is_material()
-        && let Some(again) = split.find_fitted_clocks(plant, &plain)?
-    {
-        plain = again;
-    }
-    let mut singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
+    let again = match plain.is_material() {
+        true => split.find_fitted_clocks(plant, &plain)?,
+        false => None,
+    };
+    let bench = split.bench(plant, library);
+    let mut singles = match again {
+        Some(again) => {
+            plain = again;
+            selection::singles(&bench, &plain, watch)?
+        }
+        None if plain.is_material() => selection::singles(&bench, base, watch)?,
+        None => selection::singles(&bench, &plain, watch)?,
+    };
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
         if best.fitted.is_material()

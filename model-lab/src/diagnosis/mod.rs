@@ -73,13 +73,11 @@ pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
-use crate::result::Horizon;
 use gather::gather;
 use logged_supply::with_logged_supply;
-use result::{DIAGNOSIS_SCHEMA, Location, Remaining, Verdict};
+use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
 use split::Split;
 use trial::Bench;
-use verdict::ADDS_UP_FLOORS;
 
 /// Finds the effects of the library that `plant` lacks to explain `logs`. Validation uses `check`, or without it, held-out blocks of the
 /// logs.
@@ -108,41 +106,7 @@ pub fn diagnose_with(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let logs = (logs, check);
-    let predicted = diagnose_by(Horizon::OneStepAhead, library, plant, logs, watch)?;
-    if !adds_up(&predicted) {
-        return Ok(predicted);
-    }
-    let free = diagnose_by(Horizon::FreeRun, library, plant, logs, watch)?;
-    let is_more = free.verdict == Verdict::Found
-        && predicted.effects.iter().all(|id| free.effects.contains(id));
-    let (mut answer, other) = if is_more {
-        (free, predicted)
-    } else {
-        (predicted, free)
-    };
-    answer.cost.add(&other.cost);
-    Ok(answer)
-}
-
-/// Returns whether errors that are within the noise one step ahead add up in free run, as with a small leak or a valve that moves slightly
-/// too little air with each pulse.
-fn adds_up(diagnosis: &Diagnosis) -> bool {
-    let last = diagnosis.error_steps.last();
-    matches!(diagnosis.verdict, Verdict::Adequate | Verdict::Found)
-        && last.is_some_and(|last| last.worst_free_run_in_noise() > ADDS_UP_FLOORS)
-}
-
-/// Diagnoses with the errors of `run`, within the ranges of the plant file, and with estimated values where these explain the logs much
-/// better.
-fn diagnose_by(
-    horizon: Horizon,
-    library: &[&'static dyn Effect],
-    plant: &PlantParameters,
-    (logs, check): (&[Recording], &[Recording]),
-    watch: Watch,
-) -> Result<Diagnosis, DiagnoseError> {
-    let first = diagnose_within(horizon, library, plant, (logs, check), watch)?;
+    let first = diagnose_within(library, plant, logs, check, watch)?;
     if !first.is_held_back {
         return Ok(first.diagnosis);
     }
@@ -162,7 +126,7 @@ fn diagnose_by(
         .effects
         .iter()
         .fold(estimated, |plant, id| plant.without_effect(id));
-    let second = diagnose_within(horizon, library, &estimated, (logs, check), watch)?.diagnosis;
+    let second = diagnose_within(library, &estimated, logs, check, watch)?.diagnosis;
     let mut cost = first.cost.clone();
     cost.add(&second.cost);
     let second = second_look::relative_to_file(plant, &first, second);
@@ -183,10 +147,10 @@ struct Answer {
 
 /// Diagnoses within the ranges that `plant` states for its ordinary parameters.
 fn diagnose_within(
-    horizon: Horizon,
     library: &[&'static dyn Effect],
     plant: &PlantParameters,
-    (logs, check): (&[Recording], &[Recording]),
+    logs: &[Recording],
+    check: &[Recording],
     watch: Watch,
 ) -> Result<Answer, DiagnoseError> {
     let begin = Instant::now();
@@ -195,7 +159,7 @@ fn diagnose_within(
     }
     search::report(watch, "the plain model", 0.0)?;
     let plant = &with_logged_supply(plant, logs.iter().chain(check));
-    let (mut split, plain) = Split::that_shows(plant, (logs, check), horizon)?;
+    let (mut split, plain) = Split::that_shows(plant, logs, check)?;
     // An effect of a part that the plant lacks has no form.
     let library: Vec<&'static dyn Effect> = library
         .iter()
@@ -203,6 +167,11 @@ fn diagnose_within(
         .filter(|&effect| !plant.forms_of(effect).is_empty())
         .collect();
     let mut found = found::find(&mut split, plant, &library, plain, watch)?;
+    if found.adds_up(&split.bench(plant, &library))
+        && let Some(free) = found::find_in_free_run(&mut split, plant, &library, &found, watch)?
+    {
+        found = free;
+    }
     let bench = split.bench(plant, &library);
     let last = found.steps.last_mut().expect("at least the plain plant");
     search::report(watch, "the final fit", 0.0)?;
@@ -249,8 +218,8 @@ fn diagnose_within(
         clocks: split.clocks(),
         starts: split.starts(),
         held_out: split.held_out().to_owned(),
-        horizon,
-        predictor: predictor::statement(horizon).to_owned(),
+        horizon: split.horizon(),
+        predictor: predictor::statement(split.horizon()).to_owned(),
         verdict: found.verdict(),
         sentence: String::new(),
         is_converged,

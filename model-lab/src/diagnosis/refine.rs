@@ -18,7 +18,7 @@ use super::selection::Selection;
 use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
-use super::verdict::{ADDS_UP_FLOORS, CLEARLY_LESS};
+use super::verdict::CLEARLY_LESS;
 use crate::result::{Horizon, LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
@@ -105,34 +105,6 @@ pub fn refine(
     add: &[(String, Option<String>)],
     watch: Watch,
 ) -> Result<Refined, DiagnoseError> {
-    let logs = (logs, check);
-    let predicted = refine_by(Horizon::OneStepAhead, plant, logs, add, watch)?;
-    if free_run_floors(&predicted) <= ADDS_UP_FLOORS {
-        return Ok(predicted);
-    }
-    let free = refine_by(Horizon::FreeRun, plant, logs, add, watch)?;
-    let (mut answer, other) = if free_run_floors(&free) < free_run_floors(&predicted) {
-        (free, predicted)
-    } else {
-        (predicted, free)
-    };
-    answer.refinement.cost.add(&other.refinement.cost);
-    Ok(answer)
-}
-
-fn free_run_floors(refined: &Refined) -> f64 {
-    let last = refined.refinement.error_steps.last();
-    last.map_or(0.0, Step::worst_free_run_in_noise)
-}
-
-/// Fits the errors of `horizon`.
-fn refine_by(
-    horizon: Horizon,
-    plant: &PlantParameters,
-    (logs, check): (&[Recording], &[Recording]),
-    add: &[(String, Option<String>)],
-    watch: Watch,
-) -> Result<Refined, DiagnoseError> {
     let begin = Instant::now();
     if logs.is_empty() {
         return Err(DiagnoseError::NoLog);
@@ -145,7 +117,7 @@ fn refine_by(
         .iter()
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
     report(watch, "the plain model", 0.0)?;
-    let (mut split, plain) = Split::that_shows(&without, (logs, check), horizon)?;
+    let (mut split, plain) = Split::that_shows(&without, logs, check)?;
     let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;
     let last = &steps[steps.len() - 1];
     if last.leaves_currents() {
@@ -158,6 +130,10 @@ fn refine_by(
             Ok(is_less.then_some(steps))
         })?;
         steps = other.unwrap_or(steps);
+    }
+    if split.bench(&without, &[]).adds_up(&steps[steps.len() - 1]) {
+        report(watch, "all effects in free run", 0.0)?;
+        steps = in_free_run(&mut split, &without, steps)?;
     }
     let bench = split.bench(&without, &[]);
     report(watch, "the final fit", 0.0)?;
@@ -186,8 +162,8 @@ fn refine_by(
         defects: split.defects(),
         warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
-        horizon,
-        sentence: sentence(&error_steps, horizon),
+        horizon: split.horizon(),
+        sentence: sentence(&error_steps, split.horizon()),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
         error_steps,
@@ -216,6 +192,36 @@ fn with_effects(
         next.refresh(&bench).ok_or_else(not_simulated)?;
         steps.push(next);
     }
+    Ok(steps)
+}
+
+/// Returns `steps` with the errors of the free run fitted, where that leaves less in free run; otherwise unchanged, with the former horizon.
+fn in_free_run(
+    split: &mut Split,
+    plant: &PlantParameters,
+    steps: Vec<Trial>,
+) -> Result<Vec<Trial>, DiagnoseError> {
+    let before = split.conditions();
+    let Some(last) = steps.last() else {
+        return Ok(steps);
+    };
+    split.take_conditions(last);
+    split.judge_in(Horizon::FreeRun);
+    let bench = split.bench(plant, &[]);
+    let refitted = steps.iter().map(|step| {
+        let mut refitted = bench.follow(bench.at_the_place_of(step)?)?;
+        refitted.refresh(&bench)?;
+        Some(refitted)
+    });
+    let refitted: Option<Vec<Trial>> = refitted.collect();
+    let floors = |trial| Some(bench.free_run(trial)?.most_floors());
+    if let Some(refitted) = refitted
+        && floors(refitted.last().unwrap_or(last)) < floors(last)
+    {
+        return Ok(refitted);
+    }
+    split.judge_in(Horizon::OneStepAhead);
+    split.replace_conditions(&before);
     Ok(steps)
 }
 

@@ -133,7 +133,6 @@ mod tests {
     use super::*;
     use crate::bench::Bench;
     use crate::diagnosis::{diagnose_with, diagnose_within};
-    use crate::result::Horizon;
 
     /// Defect seen: an answer that the second look did not change omitted the cost of the second look, more than half of the time.
     #[test]
@@ -148,8 +147,7 @@ mod tests {
         }
         .measure()];
         let watch = |_| ControlFlow::Continue(());
-        let first =
-            diagnose_within(Horizon::OneStepAhead, &[], &plant, (&log, &[]), &watch).unwrap();
+        let first = diagnose_within(&[], &plant, &log, &[], &watch).unwrap();
         assert!(first.is_held_back, "{}", first.diagnosis.sentence);
         let whole = diagnose_with(&[], &plant, &log, &[], &watch).unwrap();
         assert_eq!(whole.sentence, first.diagnosis.sentence);

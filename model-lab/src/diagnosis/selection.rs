@@ -9,7 +9,7 @@ use super::search::{Effort, PROSPECT, Tried, Watch, best_form, best_forms, try_a
 use super::trial::{Bench, Trial};
 use super::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, CLEARLY_LESS, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE,
-    FURTHER_SHARE, LITTLE_FLOORS, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
+    FURTHER_SHARE, NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
 };
 
 /// Number of first effects that are tried with every second one, ...
@@ -143,6 +143,16 @@ impl Selection {
     /// The plain plant with all named effects.
     pub(crate) fn last(&self) -> &Trial {
         self.steps.last().expect("the plain plant is there")
+    }
+
+    /// The plain plant within what the plant file admits.
+    pub(crate) fn within(&self) -> &Trial {
+        self.within.as_ref().unwrap_or(&self.steps[0])
+    }
+
+    /// Whether the errors that are left are within the noise one step ahead and add up in free run.
+    pub(crate) fn adds_up(&self, bench: &Bench) -> bool {
+        matches!(self.verdict(), Verdict::Adequate | Verdict::Found) && bench.adds_up(self.last())
     }
 
     /// Returns the selection, made with wider ranges than those of `within`, which keeps to the tolerances of the plant file. The effect of
@@ -497,8 +507,7 @@ impl Trial {
 
     /// Whether it leaves nothing material, or too little to say whether physics is missing.
     pub(crate) fn leaves_little(&self) -> bool {
-        let floors = self.sets().map(Errors::most_floors);
-        !self.is_material() || floors.into_iter().all(|floors| floors <= LITTLE_FLOORS)
+        !self.is_material() || self.sets().into_iter().all(Errors::are_little)
     }
 
     /// Whether too little remains for another effect to show.

@@ -72,10 +72,10 @@ impl Split {
     /// leave parameters or effects undetermined, and all logs are fitted together.
     pub(super) fn that_shows(
         plant: &PlantParameters,
-        (logs, check): (&[Recording], &[Recording]),
-        horizon: Horizon,
+        logs: &[Recording],
+        check: &[Recording],
     ) -> Result<(Self, Trial), DiagnoseError> {
-        let mut given = Self::as_given(plant, logs, check)?.judged_by(horizon);
+        let mut given = Self::as_given(plant, logs, check)?;
         given.fit_conditions(plant);
         let mut plain = given.plain(plant)?;
         if given.find_checked_clocks(plant, &plain)? {
@@ -90,17 +90,20 @@ impl Split {
             let plain = other.plain(plant)?;
             return Ok((other, plain));
         }
-        let all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
-        let mut all = all.judged_by(horizon);
+        let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
         all.fit_conditions(plant);
         let plain = all.plain(plant)?;
         Ok((all, plain))
     }
 
-    /// Returns the logs, whose errors are those of `run`.
-    fn judged_by(mut self, horizon: Horizon) -> Self {
+    /// Returns the horizon of the errors that are fitted and judged.
+    pub(super) fn horizon(&self) -> Horizon {
+        self.fitting.horizon
+    }
+
+    /// Sets the horizon of the errors that are fitted and judged.
+    pub(super) fn judge_in(&mut self, horizon: Horizon) {
         (self.fitting.horizon, self.checking.horizon) = (horizon, horizon);
-        self
     }
 
     fn blocks<'a>(

@@ -12,8 +12,9 @@ use super::log::Residuals;
 use super::logger_time::fitted_conditions;
 use super::start::{self, Start, most_promising};
 use super::unknowns::Unknowns;
-use super::verdict::WIDENINGS;
+use super::verdict::{ADDS_UP_FLOORS, WIDENINGS};
 use crate::conditions::Conditions;
+use crate::result::Horizon;
 use crate::whiteness::autocorrelation_time_samples;
 
 /// Effect on top of a fitted plant, evaluated at a few sizes.
@@ -293,6 +294,25 @@ impl Bench<'_> {
         let mut there = self.judge(trial.effects.clone(), trial.unknowns.clone(), fit)?;
         there.refresh(self)?;
         Some(there)
+    }
+
+    /// Returns the errors of `trial` in free run on the validation data; none where it cannot be simulated.
+    pub(crate) fn free_run(&self, trial: &Trial) -> Option<Errors> {
+        let (conditions, horizon) = (&trial.checked_conditions, Horizon::FreeRun);
+        let residuals = self.checking.residuals_on(
+            &trial.plant(),
+            conditions,
+            horizon,
+            Tolerance::default(),
+        )?;
+        Some(Errors::new(self.checking, &residuals, horizon))
+    }
+
+    /// Returns whether the errors of `trial` add up in free run, as with a small leak or a valve that moves slightly too little air with each
+    /// pulse.
+    pub(crate) fn adds_up(&self, trial: &Trial) -> bool {
+        let errors = self.free_run(trial);
+        errors.is_some_and(|errors| errors.most_floors() > ADDS_UP_FLOORS)
     }
 
     /// Returns the conditions of the validation logs: the fitted ones, where they are blocks of the same logs, or those that suit the
