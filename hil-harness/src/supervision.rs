@@ -43,9 +43,10 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
 pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     match plant.functions[VENT] {
         ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen => VentValve::NormallyOpen,
-        ValveFunction::NormallyClosed | ValveFunction::Blocked | ValveFunction::Absent => {
-            VentValve::NormallyClosed
-        }
+        ValveFunction::NormallyClosed
+        | ValveFunction::OnOff
+        | ValveFunction::Blocked
+        | ValveFunction::Absent => VentValve::NormallyClosed,
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use plant_sim::PlantParameters;
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::parameters::{OnOffValveParameters, ParameterSpec};
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{Inputs, ReplayError};
 use plant_sim::valve::ValveFunction;
@@ -12,6 +12,8 @@ use recording::{Recording, Signal};
 
 use crate::gaps::Gaps;
 
+/// Factor by which an on/off valve may be slower than its plant file says.
+const SLOWER: f64 = 1.4;
 /// Name of the time from a command to its effect in a plant file.
 pub(crate) const COMMAND_DELAY: &str = "ecu.command_delay_s";
 /// Signal names of the commands, fill and vent.
@@ -44,10 +46,32 @@ pub(crate) struct Commands {
 fn delay_range_s(parameters: &PlantParameters) -> (f64, f64) {
     let delay_s = parameters.ecu.command_delay_s;
     let spec = ParameterSpec::by_name(COMMAND_DELAY);
-    match (parameters.knowledge.get(COMMAND_DELAY), spec) {
+    let (least_s, most_s) = match (parameters.knowledge.get(COMMAND_DELAY), spec) {
         (Some(knowledge), Some(spec)) => knowledge.bounds(spec, delay_s),
         _ => (0.8 * delay_s, delay_s),
-    }
+    };
+    let of_valves = on_off_valves(parameters).map(|valve| {
+        let closing_s = valve.closing_delay_s + valve.closing_ramp_s;
+        valve.opening_delay_s.max(closing_s)
+    });
+    (least_s, most_s + SLOWER * of_valves.fold(0.0, f64::max))
+}
+
+/// Returns the usual delay from a command to its effect (s): that of the output, and the mean of the delays of on/off valves.
+fn delay_s(parameters: &PlantParameters) -> f64 {
+    let count = on_off_valves(parameters).count().max(1) as f64;
+    let delays_s = on_off_valves(parameters)
+        .map(|valve| 0.5 * (valve.opening_delay_s + valve.closing_delay_s));
+    parameters.ecu.command_delay_s + delays_s.sum::<f64>() / count
+}
+
+/// Returns the on/off valves of the plant.
+fn on_off_valves(parameters: &PlantParameters) -> impl Iterator<Item = &OnOffValveParameters> {
+    let valves = [&parameters.on_off_fill, &parameters.on_off_vent];
+    let functions = valves.into_iter().zip(parameters.functions);
+    functions
+        .filter(|(_, function)| *function == ValveFunction::OnOff)
+        .map(|(valve, _)| valve)
 }
 
 /// Returns `other` where it equals `values` bit for bit, and `values` otherwise. Sharing saves memory: an hour at 1 kHz takes 29 MB per
@@ -97,13 +121,14 @@ impl Commands {
                 )
             }),
             shut_pct: parameters.functions.map(|function| match function {
-                ValveFunction::NormallyClosed | ValveFunction::Blocked | ValveFunction::Absent => {
-                    0.0
-                }
+                ValveFunction::NormallyClosed
+                | ValveFunction::OnOff
+                | ValveFunction::Blocked
+                | ValveFunction::Absent => 0.0,
                 ValveFunction::NormallyOpen => 100.0,
                 ValveFunction::AlwaysOpen => f64::NAN,
             }),
-            delay_s: parameters.ecu.command_delay_s,
+            delay_s: delay_s(parameters),
             delay_range_s: delay_range_s(parameters),
             early_s: match inputs.command_interval_s() {
                 slow_s if slow_s > inputs.interval_s() => slow_s,

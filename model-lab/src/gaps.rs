@@ -60,15 +60,15 @@ impl Gaps {
         (base, step_s): (&TimeBase, f64),
         shown: impl Iterator<Item = (usize, bool)>,
     ) -> Self {
-        let has_coil = Part::Coil.is_in(parameters);
+        let is_commanded = Part::Commanded.is_in(parameters);
         let times_s = base.times_s();
-        let settled_s = match has_coil {
+        let settled_s = match is_commanded {
             true => {
                 parameters.ecu.command_delay_s + 1.0 / parameters.ecu.pwm_frequency_hz + SETTLE_S
             }
             false => 0.0,
         };
-        let unseen_s = match has_coil {
+        let unseen_s = match is_commanded {
             true => (GAP_SAMPLES * parameters.ecu.sample_time_s).max(GAP_STEPS * step_s),
             false => f64::INFINITY,
         };
@@ -99,7 +99,7 @@ impl Gaps {
             }
             last_shown = Some(row);
             count = n + 1;
-            if has_coil && !is_known {
+            if is_commanded && !is_known {
                 continue;
             }
             if let Some((_, before)) =
@@ -112,7 +112,7 @@ impl Gaps {
         // The rows after the last command have nothing to compare.
         let is_end = |&(at, last): &(usize, usize)| {
             (count - at) as f64 > GAP_SAMPLES + 1.0
-                || has_coil && base.end_s() - times_s[last] > pause_s
+                || is_commanded && base.end_s() - times_s[last] > pause_s
         };
         if let Some((_, last)) = last_known.filter(is_end) {
             gaps.push(Gap {

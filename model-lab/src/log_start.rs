@@ -62,7 +62,7 @@ impl LogStart {
         Self {
             pressure: level,
             is_filled: level.is_some_and(is_above),
-            usual_gas: match (Part::Coil.is_in(parameters), level) {
+            usual_gas: match (Part::Commanded.is_in(parameters), level) {
                 (false, Some(level)) => UsualGas::of_vessel(parameters, level),
                 _ => UsualGas::BETWEEN_VALVES,
             },

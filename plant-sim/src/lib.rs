@@ -12,6 +12,7 @@ pub mod hooks;
 pub mod linearisation;
 pub mod logger_clock;
 pub mod magnet;
+pub mod on_off_valve;
 pub mod orifice;
 pub mod parameters;
 pub mod plant;

@@ -85,7 +85,7 @@ pub fn linearise(plant: &Plant, voltage: [f64; 2], state: &[f64; STATES]) -> Lin
 
 /// Returns d(mass flow per effective area)/d(chamber pressure) (s/m).
 fn flow_slope(plant: &Plant, index: usize, pressure: f64) -> f64 {
-    let nozzle = &plant.nozzle;
+    let nozzle = &plant.valves[index].nozzle;
     if index == FILL {
         nozzle.mass_flow_slopes(plant.supply_pressure, pressure)[1]
     } else {

@@ -17,9 +17,9 @@ pub const VENT: usize = 1;
 pub struct Plant {
     /// Fill and vent valve.
     pub valves: [Valve; 2],
-    /// Flow law of both orifices.
+    /// Flow law of all other orifices, such as leaks and restrictions.
     pub nozzle: NozzleLaw,
-    /// Universal curves of subsonic flow with these orifices.
+    /// Universal curves of subsonic flow through the valves.
     pub subsonic: SubsonicCurves,
     /// Chamber of the plant.
     pub chamber: Chamber,
@@ -75,10 +75,12 @@ impl Plant {
         if effective_area == 0.0 {
             0.0
         } else if valve == FILL {
-            self.nozzle
+            self.valves[FILL]
+                .nozzle
                 .mass_flow(effective_area, self.supply_pressure, pressure)
         } else {
-            self.nozzle
+            self.valves[VENT]
+                .nozzle
                 .mass_flow(effective_area, pressure, self.drain_pressure)
         }
     }

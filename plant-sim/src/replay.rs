@@ -76,8 +76,10 @@ pub fn signals(parameters: &PlantParameters) -> impl Iterator<Item = (&'static s
 fn has_signal(parameters: &PlantParameters, name: &str) -> bool {
     let [fill, vent] = parameters.functions;
     match name {
-        "duty_fill" | "i_fill" => fill.has_coil(),
-        "duty_vent" | "i_vent" => vent.has_coil(),
+        "duty_fill" => fill.is_commanded(),
+        "duty_vent" => vent.is_commanded(),
+        "i_fill" => fill.has_coil(),
+        "i_vent" => vent.has_coil(),
         "x_fill" => fill.has_armature(),
         "x_vent" => vent.has_armature(),
         "u_bat" => Part::Coil.is_in(parameters),
@@ -106,7 +108,7 @@ pub struct Replay {
     ambient_pressure: f64,
     wall_temperature: f64,
     thermometer_wall_share: f64,
-    has_coil: bool,
+    is_commanded: bool,
     command: Command,
     /// Last command that a row of the log showed; `command` may be the next one already.
     shown: Command,
@@ -145,7 +147,7 @@ impl Replay {
             ambient_pressure: parameters.gas.ambient_pressure_pa,
             wall_temperature: parameters.gas.temperature_k,
             thermometer_wall_share: parameters.gas.thermometer_wall_share,
-            has_coil: Part::Coil.is_in(parameters),
+            is_commanded: Part::Commanded.is_in(parameters),
             command: Command::default(),
             shown: Command::default(),
             supply_voltage_v: parameters.ecu.supply_voltage_v,
@@ -215,7 +217,7 @@ impl Replay {
             && command != self.command
         {
             self.command = command;
-            if self.has_coil {
+            if self.is_commanded {
                 let issued_ns = input.issued_ns + self.lead_ns;
                 self.simulator.command_at(issued_ns, command);
             }

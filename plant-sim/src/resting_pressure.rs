@@ -12,7 +12,7 @@
 //!
 //! The solver integrates the rest: flow through both valves unless both flows are choked, and reverse flow.
 
-use crate::orifice::LAMINAR_RATIO;
+use crate::orifice::{LAMINAR_RATIO, NozzleLaw};
 use crate::plant::{FILL, Plant, VENT};
 
 /// Law of the pressure over time.
@@ -46,10 +46,10 @@ impl RestingPressure {
     /// Returns the pressure over time from `pressure` (Pa abs) on while the effective areas (m²) are constant; `None`
     /// if it has to be integrated.
     pub fn of(plant: &Plant, effective_areas: [f64; 2], pressure: f64) -> Option<Self> {
-        let nozzle = &plant.nozzle;
+        let [fill, vent] = &plant.valves;
         let flows = |valve: usize, choked: bool| effective_areas[valve] == 0.0 || choked;
-        let fill_choked = nozzle.is_choked(plant.supply_pressure, pressure);
-        let vent_choked = nozzle.is_choked(pressure, plant.drain_pressure);
+        let fill_choked = fill.nozzle.is_choked(plant.supply_pressure, pressure);
+        let vent_choked = vent.nozzle.is_choked(pressure, plant.drain_pressure);
         if flows(FILL, fill_choked) && flows(VENT, vent_choked) {
             return Some(Self::choked(plant, effective_areas, pressure));
         }
@@ -61,18 +61,18 @@ impl RestingPressure {
     }
 
     fn choked(plant: &Plant, [fill_area, vent_area]: [f64; 2], pressure: f64) -> Self {
-        let nozzle = &plant.nozzle;
-        let factor = plant.chamber.pressure_per_mass * nozzle.choked_factor();
-        let rise = factor * fill_area * plant.supply_pressure;
-        let decay_rate = factor * vent_area;
+        let [fill, vent] = [FILL, VENT].map(|valve| &plant.valves[valve].nozzle);
+        let factor = |nozzle: &NozzleLaw| plant.chamber.pressure_per_mass * nozzle.choked_factor();
+        let rise = factor(fill) * fill_area * plant.supply_pressure;
+        let decay_rate = factor(vent) * vent_area;
         let time_of = |level: f64| time_to_level(pressure, rise, decay_rate, level);
         // The fill flow stops being choked while the pressure rises, the vent flow while it falls.
         let mut valid_for = f64::INFINITY;
         if fill_area > 0.0 {
-            valid_for = valid_for.min(time_of(nozzle.critical_ratio() * plant.supply_pressure));
+            valid_for = valid_for.min(time_of(fill.critical_ratio() * plant.supply_pressure));
         }
         if vent_area > 0.0 {
-            valid_for = valid_for.min(time_of(plant.drain_pressure / nozzle.critical_ratio()));
+            valid_for = valid_for.min(time_of(plant.drain_pressure / vent.critical_ratio()));
         }
         Self {
             kind: Kind::Choked {
@@ -106,7 +106,7 @@ impl RestingPressure {
                 kind: Kind::Laminar {
                     valve,
                     z,
-                    decay_rate: pace * plant.nozzle.laminar_slope(),
+                    decay_rate: pace * plant.valves[valve].nozzle.laminar_slope(),
                 },
                 valid_for: f64::INFINITY,
             })

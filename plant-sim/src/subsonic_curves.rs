@@ -14,13 +14,15 @@ pub struct SubsonicCurves {
 }
 
 impl SubsonicCurves {
-    /// Tabulates the curves of a nozzle law.
-    pub(crate) fn new(nozzle: &NozzleLaw) -> Self {
-        let fill = |ratio: f64| nozzle.flow_function(ratio);
-        let vent = |ratio: f64| ratio * nozzle.flow_function(ratio);
-        let lowest = nozzle.critical_ratio();
+    /// Tabulates the curves of the nozzle laws of fill and vent valve.
+    pub(crate) fn new([fill, vent]: [&NozzleLaw; 2]) -> Self {
+        let into = |ratio: f64| fill.flow_function(ratio);
+        let out_of = |ratio: f64| ratio * vent.flow_function(ratio);
         Self {
-            curves: [Curve::new(fill, lowest), Curve::new(vent, lowest)],
+            curves: [
+                Curve::new(into, fill.critical_ratio()),
+                Curve::new(out_of, vent.critical_ratio()),
+            ],
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::armature::Armature;
 use crate::coil::{Coil, Drive, RestingCurrent};
 use crate::magnet::Magnet;
-use crate::orifice::{Limit, Orifice};
+use crate::orifice::{Limit, NozzleLaw, Orifice};
 
 /// Function of the valve without current (section 2.3), or of the part in its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,6 +12,8 @@ pub enum ValveFunction {
     NormallyClosed,
     /// Open without current; the armature's travel closes the orifice.
     NormallyOpen,
+    /// On/off valve known by its switching times and its conductance: closed without a command, no coil, no armature.
+    OnOff,
     /// Orifice that is always open: no coil, no armature.
     AlwaysOpen,
     /// Coil whose armature is blocked at its rest stop: no air flows.
@@ -26,6 +28,11 @@ impl ValveFunction {
         self.has_armature() || self == Self::Blocked
     }
 
+    /// Returns whether a duty cycle commands it.
+    pub fn is_commanded(self) -> bool {
+        self.has_coil() || self == Self::OnOff
+    }
+
     /// Returns whether there is an armature that may move.
     pub fn has_armature(self) -> bool {
         matches!(self, Self::NormallyClosed | Self::NormallyOpen)
@@ -33,7 +40,7 @@ impl ValveFunction {
 
     /// Returns whether air may flow.
     pub fn has_orifice(self) -> bool {
-        self.has_armature() || self == Self::AlwaysOpen
+        self.has_armature() || matches!(self, Self::AlwaysOpen | Self::OnOff)
     }
 }
 
@@ -46,8 +53,10 @@ pub struct Valve {
     pub magnet: Magnet,
     /// Mechanical model.
     pub armature: Armature,
-    /// Pneumatic model.
+    /// Pneumatic model: opening.
     pub orifice: Orifice,
+    /// Pneumatic model: flow through the opening.
+    pub nozzle: NozzleLaw,
     /// Function, such as normally closed or normally open.
     pub function: ValveFunction,
 }

@@ -51,7 +51,7 @@ pub(crate) struct Log {
     /// Whether several samples of a current show each PWM period.
     resolves_pwm: bool,
     /// Whether the plant has coils.
-    has_coil: bool,
+    is_commanded: bool,
     pub(crate) conditions: Conditions,
     pub(crate) known_clock: KnownClock,
     /// Instant (ns, ECU time) at which the command of each row was given; empty without a clock.
@@ -186,7 +186,7 @@ impl Log {
             source: log.provenance().source.clone(),
             commands,
             inputs,
-            has_coil: Part::Coil.is_in(parameters),
+            is_commanded: Part::Commanded.is_in(parameters),
             sampling: usual_sampling,
             resolves_pwm: usual_sampling == CurrentSampling::Instant,
             conditions: Conditions {
@@ -306,7 +306,7 @@ impl Log {
     /// Returns whether only a model can determine the clock of the logger: the log has commanded coils, and the commands do not determine
     /// it.
     pub(crate) fn is_clock_open(&self) -> bool {
-        self.has_coil && !self.is_clock_from_commands() && self.duration_s() > self.interval_s
+        self.is_commanded && !self.is_clock_from_commands() && self.duration_s() > self.interval_s
     }
 
     /// Returns whether it begins with a filled chamber, whose gas may still be warm.
@@ -357,8 +357,8 @@ impl Log {
             .any(|channel| is_current(channel.signal))
     }
 
-    pub(crate) fn has_coil(&self) -> bool {
-        self.has_coil
+    pub(crate) fn is_commanded(&self) -> bool {
+        self.is_commanded
     }
 
     pub(super) fn pressure(&self) -> Option<&Channel> {
@@ -515,7 +515,7 @@ impl Log {
 /// Returns the pressure of the supply (bar), the temperature of the gas (K) or the current of a coil that stays on (mA); 0 without
 /// switching valves.
 fn full_scale(parameters: &PlantParameters, signal: &str) -> f64 {
-    if !Part::Coil.is_in(parameters) {
+    if !Part::Commanded.is_in(parameters) {
         0.0
     } else if signal == PRESSURE {
         parameters.gas.supply_pressure_bar_gauge

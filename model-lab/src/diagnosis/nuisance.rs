@@ -113,7 +113,7 @@ const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume 4 %, magnetic circuits 8
 /// %; the delay of an output stage, and a pressure regulator with its gauge.
-static ORDINARY: [Ordinary; 14] = [
+static ORDINARY: [Ordinary; 26] = [
     relative(
         "flow.discharge_fill",
         0.10,
@@ -237,6 +237,111 @@ static ORDINARY: [Ordinary; 14] = [
             0.0,
             Shown::Always,
             "log the coil currents at 20 kHz while the valve opens, at several pressures",
+        )
+    },
+    // Data sheets give conductance and switching times as typical values, and ramps not at all.
+    relative(
+        "on_off_fill.conductance_dm3_per_s_bar",
+        0.15,
+        Shown::InPressure,
+        "fill the chamber with the fill valve fully open; fix the volume",
+    ),
+    Ordinary {
+        usual: Some(Spread::Absolute(0.1)),
+        first_file: Spread::Absolute(0.2),
+        ..relative(
+            "on_off_fill.critical_ratio",
+            0.0,
+            Shown::InPressure,
+            "fill the chamber with the fill valve fully open, down to equal pressures",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_fill.opening_delay_s",
+            0.25,
+            Shown::InPressure,
+            "command single pulses of several lengths, some too short to open the valve",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_fill.closing_delay_s",
+            0.25,
+            Shown::InPressure,
+            "command single pulses of several lengths",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_fill.opening_ramp_s",
+            0.4,
+            Shown::InPressure,
+            "log the pressure faster than the valve opens",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_fill.closing_ramp_s",
+            0.4,
+            Shown::InPressure,
+            "log the pressure faster than the valve closes",
+        )
+    },
+    relative(
+        "on_off_vent.conductance_dm3_per_s_bar",
+        0.15,
+        Shown::InPressure,
+        "vent the full chamber with the vent valve fully open; fix the volume",
+    ),
+    Ordinary {
+        usual: Some(Spread::Absolute(0.1)),
+        first_file: Spread::Absolute(0.2),
+        ..relative(
+            "on_off_vent.critical_ratio",
+            0.0,
+            Shown::InPressure,
+            "vent the full chamber with the vent valve fully open, down to equal pressures",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_vent.opening_delay_s",
+            0.25,
+            Shown::InPressure,
+            "command single pulses of several lengths, some too short to open the valve",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_vent.closing_delay_s",
+            0.25,
+            Shown::InPressure,
+            "command single pulses of several lengths",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_vent.opening_ramp_s",
+            0.4,
+            Shown::InPressure,
+            "log the pressure faster than the valve opens",
+        )
+    },
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(
+            "on_off_vent.closing_ramp_s",
+            0.4,
+            Shown::InPressure,
+            "log the pressure faster than the valve closes",
         )
     },
 ];

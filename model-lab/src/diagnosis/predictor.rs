@@ -95,7 +95,7 @@ impl Predictor {
 /// Returns for each sample whether a coil may have switched before it.
 fn switching(parameters: &PlantParameters, commands: &Commands) -> Vec<bool> {
     let mut switching = vec![false; commands.len()];
-    for valve in (0..2).filter(|&valve| parameters.functions[valve].has_coil()) {
+    for valve in (0..2).filter(|&valve| parameters.functions[valve].is_commanded()) {
         let mut quiet = vec![false; commands.len()];
         for segment in commands.dead_coil(valve, 0.0) {
             quiet[segment].fill(true);

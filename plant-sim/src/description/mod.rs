@@ -13,7 +13,7 @@ pub(crate) use knowledge::middle;
 pub use parameters::{Effect, EffectSetting, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, PA_PER_BAR, RegulatingValveParameters,
+    GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, RegulatingValveParameters,
 };
 pub(crate) use spec::{EFFECTS, effect_parameters};
 pub use spec::{ParameterSpec, Scale, Size};

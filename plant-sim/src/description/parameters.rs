@@ -9,7 +9,7 @@ use super::knowledge::Knowledge;
 use super::sections::PA_PER_BAR;
 use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, RegulatingValveParameters,
+    GasParameters, MagnetParameters, OnOffValveParameters, RegulatingValveParameters,
 };
 use super::spec::ParameterSpec;
 use crate::plant::{FILL, Plant};
@@ -28,6 +28,10 @@ pub struct PlantParameters {
     pub armature: ArmatureParameters,
     /// `[flow]`
     pub flow: FlowParameters,
+    /// `[on_off_fill]`: fill valve, if it is an on/off valve.
+    pub on_off_fill: OnOffValveParameters,
+    /// `[on_off_vent]`: vent valve, if it is an on/off valve.
+    pub on_off_vent: OnOffValveParameters,
     /// `[gas]`
     pub gas: GasParameters,
     /// `[chamber]`; a volume of 0 means no chamber.
@@ -227,6 +231,8 @@ impl PlantParameters {
                 critical_ratio: 0.528,
                 ..FlowParameters::default()
             },
+            on_off_fill: OnOffValveParameters::default(),
+            on_off_vent: OnOffValveParameters::default(),
             gas: GasParameters {
                 gas_constant_j_per_kg_k: 287.05,
                 heat_capacity_ratio: 1.4,

@@ -53,6 +53,18 @@ pub struct FlowParameters {
     pub critical_ratio: f64,
 }
 
+/// On/off valve that is known by its switching times and its conductance.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct OnOffValveParameters {
+    pub conductance_dm3_per_s_bar: f64,
+    pub critical_ratio: f64,
+    pub opening_delay_s: f64,
+    pub closing_delay_s: f64,
+    pub opening_ramp_s: f64,
+    pub closing_ramp_s: f64,
+}
+
 /// Gas, and the pressures around the plant.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
@@ -105,6 +117,13 @@ impl EcuParameters {
     /// Returns the delay from a command to its effect at the output (ns).
     pub fn command_delay_ns(&self) -> u64 {
         nanoseconds(self.command_delay_s)
+    }
+}
+
+impl OnOffValveParameters {
+    /// Returns the opening and the closing delay (ns).
+    pub fn delays_ns(&self) -> [u64; 2] {
+        [self.opening_delay_s, self.closing_delay_s].map(nanoseconds)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::description::{
 use crate::orifice::{NozzleLaw, Subsonic};
 use crate::plant::Plant;
 use crate::subsonic_curves::SubsonicCurves;
+use crate::valve::ValveFunction;
 
 effect_parameters! { "effects.critical_ratio":
     REDUCTION = reduction [""] 0.001 ..= 0.5, Log 0.2, off 0.0,
@@ -55,14 +56,21 @@ impl Effect for CriticalRatio {
             "iso6358" => Subsonic::Ellipse,
             _ => Subsonic::Isentropic,
         };
-        plant.nozzle = NozzleLaw::with_branch(
+        let nozzle = NozzleLaw::with_branch(
             gas.heat_capacity_ratio,
             gas.gas_constant_j_per_kg_k,
             gas.temperature_k,
             (parameters.flow.critical_ratio - setting.value("reduction")).max(LEAST),
             branch,
         );
-        plant.subsonic = SubsonicCurves::new(&plant.nozzle);
+        // The critical ratio of an on/off valve is a value of its own.
+        let valves = plant.valves.iter_mut();
+        for valve in valves.filter(|valve| valve.function != ValveFunction::OnOff) {
+            valve.nozzle = nozzle.clone();
+        }
+        plant.nozzle = nozzle;
+        let [fill, vent] = &plant.valves;
+        plant.subsonic = SubsonicCurves::new([&fill.nozzle, &vent.nozzle]);
     }
 }
 

@@ -5,10 +5,10 @@ use crate::additions::Additions;
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
-use crate::description::{EffectSetting, PlantParameters};
+use crate::description::{EffectSetting, OnOffValveParameters, PlantParameters};
 use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
-use crate::orifice::{NozzleLaw, Orifice};
+use crate::orifice::{NozzleLaw, Orifice, Subsonic};
 use crate::plant::{FILL, Plant, VENT};
 use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
@@ -33,6 +33,28 @@ const HELD: (Magnet, Armature) = (
 );
 
 /// Coil with a negligible current, in case it is commanded.
+/// Armature of an on/off valve: no force acts on it, so that it keeps the velocity that the command gives it. Its position is the open share
+/// of 1 mm.
+const FREE: (Magnet, Armature) = (
+    Magnet {
+        force_constant: 0.0,
+        gap: 2.0,
+    },
+    Armature {
+        mass: 1e9,
+        stroke: 1e-3,
+        viscous_friction: 0.0,
+        spring_rate: 0.0,
+        preload: 0.0,
+        pressure_area: 0.0,
+    },
+);
+
+/// Density of air (kg/m³) and temperature (K) to which a conductance refers (ISO 6358-1: ANR).
+const REFERENCE_AIR: (f64, f64) = (1.185, 293.15);
+/// Conversion of dm³/(s bar) into m³/(s Pa).
+const M3_PER_PA_S: f64 = 1e-8;
+
 const NO_COIL: Coil = Coil {
     resistance: 1e9,
     inductance_at_rest: 1.0,
@@ -66,22 +88,14 @@ impl PlantParameters {
             gas.temperature_k,
             self.flow.critical_ratio,
         );
+        let valves = [FILL, VENT].map(|index| match self.functions[index] {
+            ValveFunction::OnOff => self.on_off_valve(index),
+            _ => self.valve(index, &nozzle),
+        });
+        let [fill, vent] = &valves;
         Plant {
-            valves: [
-                self.valve(
-                    FILL,
-                    self.armature.preload_fill_n,
-                    self.flow.orifice_fill_m,
-                    self.flow.discharge_fill,
-                ),
-                self.valve(
-                    VENT,
-                    self.armature.preload_vent_n,
-                    self.flow.orifice_vent_m,
-                    self.flow.discharge_vent,
-                ),
-            ],
-            subsonic: SubsonicCurves::new(&nozzle),
+            subsonic: SubsonicCurves::new([&fill.nozzle, &vent.nozzle]),
+            valves,
             nozzle,
             chamber: Chamber::new(
                 if Part::Chamber.is_in(self) {
@@ -100,7 +114,46 @@ impl PlantParameters {
         }
     }
 
-    fn valve(&self, index: usize, preload: f64, orifice: f64, discharge: f64) -> Valve {
+    /// Returns the parameters of the on/off valve in the place `index`.
+    pub(crate) fn on_off(&self, index: usize) -> &OnOffValveParameters {
+        [&self.on_off_fill, &self.on_off_vent][index]
+    }
+
+    /// Returns an on/off valve, whose opening is the open share of its conductance (E61).
+    fn on_off_valve(&self, index: usize) -> Valve {
+        let on_off = self.on_off(index);
+        let gas = &self.gas;
+        let nozzle = NozzleLaw::with_branch(
+            gas.heat_capacity_ratio,
+            gas.gas_constant_j_per_kg_k,
+            gas.temperature_k,
+            on_off.critical_ratio,
+            Subsonic::Ellipse,
+        );
+        let (density, temperature) = REFERENCE_AIR;
+        let choked_flow = on_off.conductance_dm3_per_s_bar
+            * M3_PER_PA_S
+            * density
+            * (temperature / gas.temperature_k).sqrt();
+        let (magnet, armature) = FREE;
+        // A curtain of this diameter reaches its largest area at full stroke.
+        let diameter = 4.0 * armature.stroke;
+        let bore = core::f64::consts::PI * (diameter / 2.0).powi(2);
+        Valve {
+            coil: NO_COIL,
+            magnet,
+            orifice: Orifice::new(diameter, choked_flow / (nozzle.choked_factor() * bore)),
+            armature,
+            nozzle,
+            function: ValveFunction::OnOff,
+        }
+    }
+
+    fn valve(&self, index: usize, nozzle: &NozzleLaw) -> Valve {
+        let (armature, flow) = (&self.armature, &self.flow);
+        let preload = [armature.preload_fill_n, armature.preload_vent_n][index];
+        let orifice = [flow.orifice_fill_m, flow.orifice_vent_m][index];
+        let discharge = [flow.discharge_fill, flow.discharge_vent][index];
         let function = self.functions[index];
         let (magnet, armature) = if function.has_armature() {
             self.moving(function, preload)
@@ -122,6 +175,7 @@ impl PlantParameters {
                 // No air, and no kink of the area within the stroke.
                 Orifice::new(4.0 * stroke, 0.0)
             },
+            nozzle: nozzle.clone(),
             function,
         }
     }

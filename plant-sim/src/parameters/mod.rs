@@ -17,8 +17,8 @@ mod write;
 
 pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, Knowledge, MagnetParameters, PA_PER_BAR, ParameterSpec, PlantParameters,
-    RegulatingValveParameters, Scale, Size,
+    GasParameters, Knowledge, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ParameterSpec,
+    PlantParameters, RegulatingValveParameters, Scale, Size,
 };
 pub use error::{ParameterError, Problem};
 pub use parts::Part;

@@ -5,9 +5,10 @@ use crate::valve::ValveFunction;
 /// `[valves]`: functions of the two valves.
 pub(super) const VALVES: &str = "valves";
 pub(super) const VALVE_KEYS: [&str; 2] = ["fill", "vent"];
-pub(super) const FUNCTIONS: [(&str, ValveFunction); 5] = [
+pub(super) const FUNCTIONS: [(&str, ValveFunction); 6] = [
     ("normally_closed", ValveFunction::NormallyClosed),
     ("normally_open", ValveFunction::NormallyOpen),
+    ("on_off", ValveFunction::OnOff),
     ("always_open", ValveFunction::AlwaysOpen),
     ("blocked", ValveFunction::Blocked),
     ("absent", ValveFunction::Absent),

@@ -13,6 +13,8 @@ use crate::valve::ValveFunction;
 /// Part of a plant that a parameter describes, or an effect acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
+    /// Valve that a duty cycle commands.
+    Commanded,
     /// Coil of either valve.
     Coil,
     /// Movable armature of either valve.
@@ -21,6 +23,12 @@ pub enum Part {
     ArmatureOf(usize),
     /// Armature on which the pressure of a chamber acts.
     ArmatureUnderPressure,
+    /// On/off valve in the place of one valve.
+    OnOffValve(usize),
+    /// Orifice of either valve that has a diameter.
+    Orifice,
+    /// Orifice of one valve that has a diameter.
+    OrificeOf(usize),
     /// Path for air through either valve.
     Flow,
     /// Path for air through one valve.
@@ -36,7 +44,14 @@ impl Part {
     pub fn is_in(self, plant: &PlantParameters) -> bool {
         let any = |has: fn(ValveFunction) -> bool| plant.functions.into_iter().any(has);
         let has_chamber = plant.chamber.volume_m3 > 0.0;
+        let is_on_off = |valve: usize| plant.functions[valve] == ValveFunction::OnOff;
         match self {
+            Self::Commanded => any(ValveFunction::is_commanded),
+            Self::OnOffValve(valve) => is_on_off(valve),
+            Self::Orifice => has_chamber && !(is_on_off(FILL) && is_on_off(VENT)),
+            Self::OrificeOf(valve) => {
+                has_chamber && plant.functions[valve].has_orifice() && !is_on_off(valve)
+            }
             Self::Coil => any(ValveFunction::has_coil),
             Self::Armature => any(ValveFunction::has_armature),
             Self::ArmatureOf(valve) => plant.functions[valve].has_armature(),
@@ -73,13 +88,17 @@ impl Part {
     pub(super) fn of_key(section: &str, key: &str) -> Self {
         match (section, key) {
             ("coil", "inductance_open_h") => Self::Armature,
+            ("ecu", "sample_time_s" | "pwm_frequency_hz") => Self::Commanded,
             ("ecu" | "coil", _) => Self::Coil,
+            ("on_off_fill", _) => Self::OnOffValve(FILL),
+            ("on_off_vent", _) => Self::OnOffValve(VENT),
             ("armature", "preload_fill_n") => Self::ArmatureOf(FILL),
             ("armature", "preload_vent_n") => Self::ArmatureOf(VENT),
             ("armature", "pressure_force_diameter_m") => Self::ArmatureUnderPressure,
             ("magnet" | "armature", _) => Self::Armature,
-            ("flow", "orifice_fill_m" | "discharge_fill") => Self::FlowThrough(FILL),
-            ("flow", "orifice_vent_m" | "discharge_vent") => Self::FlowThrough(VENT),
+            ("flow", "orifice_fill_m" | "discharge_fill") => Self::OrificeOf(FILL),
+            ("flow", "orifice_vent_m" | "discharge_vent") => Self::OrificeOf(VENT),
+            ("flow" | "effects.critical_ratio", "critical_ratio" | "reduction") => Self::Orifice,
             ("gas", "supply_pressure_bar_gauge" | "supply_gauge_offset_bar") => {
                 Self::FlowThrough(FILL)
             }
@@ -100,14 +119,16 @@ impl Part {
             format!("{} in [{VALVES}]", keys.join(" and "))
         };
         match self {
-            Self::Coil => Some(words(&VALVE_KEYS, "\"absent\"")),
+            Self::Coil | Self::Commanded => Some(words(&VALVE_KEYS, "\"absent\"")),
+            Self::Orifice => Some(words(&VALVE_KEYS, "\"on_off\"")),
+            Self::OrificeOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"on_off\"")),
             Self::Armature => Some(words(&VALVE_KEYS, "\"blocked\"")),
             Self::ArmatureOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"always_open\"")),
             Self::FlowThrough(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"absent\"")),
             Self::Flow | Self::Chamber | Self::ArmatureUnderPressure => {
                 Some(format!("no table [{CHAMBER}]"))
             }
-            Self::Any => None,
+            Self::OnOffValve(_) | Self::Any => None,
         }
     }
 }
@@ -130,12 +151,22 @@ impl PlantParameters {
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Commanded => f.write_str("valve that is commanded"),
             Self::Coil => f.write_str("coil"),
             Self::Armature => f.write_str("armature that moves"),
             Self::ArmatureOf(valve) => {
                 write!(f, "armature of the {} valve", VALVE_KEYS[*valve])
             }
             Self::ArmatureUnderPressure => f.write_str("armature under a chamber's pressure"),
+            Self::OnOffValve(valve) => write!(f, "on/off {} valve", VALVE_KEYS[*valve]),
+            Self::Orifice => f.write_str("orifice with a diameter"),
+            Self::OrificeOf(valve) => {
+                write!(
+                    f,
+                    "{} valve with an orifice of a diameter",
+                    VALVE_KEYS[*valve]
+                )
+            }
             Self::Flow => f.write_str("valve or orifice that air flows through"),
             Self::FlowThrough(valve) => {
                 write!(f, "{} valve that air flows through", VALVE_KEYS[*valve])

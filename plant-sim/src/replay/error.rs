@@ -82,9 +82,9 @@ pub enum ReplayError {
         /// Length of the gap (s).
         gap_s: f64,
     },
-    /// The log commands a coil that the plant does not have.
+    /// The log commands a valve that the plant does not have.
     #[error(
-        "the log has a command `{name}` above 0 %, but the plant has no such coil: take a plant file with the valve, or leave out the column"
+        "the log has a command `{name}` above 0 %, but the plant has no such valve: take a plant file with the valve, or leave out the column"
     )]
     NoCoil {
         /// Name of the signal.

@@ -249,7 +249,7 @@ impl<'a> Inputs<'a> {
         for (valve, duty) in duties.iter().enumerate() {
             let acts =
                 |(_, duty): &(_, Column)| (0..duty.samples.len()).any(|index| duty.at(index) > 0.0);
-            if !parameters.functions[valve].has_coil() && duty.as_ref().is_some_and(acts) {
+            if !parameters.functions[valve].is_commanded() && duty.as_ref().is_some_and(acts) {
                 let name = DUTIES[valve];
                 return Err(ReplayError::NoCoil { name });
             }
@@ -394,7 +394,7 @@ pub fn inputs<'a>(
 }
 
 /// Returns the initial chamber pressure (Pa abs), if the log alone determines it: the first logged pressure, for a
-/// plant without coils, in which no command can have changed the pressure before. `None` if the plant begins at rest.
+/// plant without commanded valves, in which no command can have changed the pressure before. `None` if the plant begins at rest.
 ///
 /// # Errors
 /// Returns an error if `p_ch` is not a pressure.
@@ -403,7 +403,7 @@ pub fn initial_pressure(
     log: &Recording,
 ) -> Result<Option<f64>, ReplayError> {
     let has_one = Part::Chamber.is_in(parameters) && log.mentions("p_ch");
-    if Part::Coil.is_in(parameters) || !has_one {
+    if Part::Commanded.is_in(parameters) || !has_one {
         return Ok(None);
     }
     let signal = log.require("p_ch", Quantity::Pressure)?;
@@ -414,11 +414,11 @@ pub fn initial_pressure(
         .find(|value| value.is_finite() && *value > 0.0))
 }
 
-/// Returns the commands that the plant needs: those of its coils.
+/// Returns the commands that the plant needs.
 fn commanded(parameters: &PlantParameters) -> impl Iterator<Item = &'static str> {
     let valves = DUTIES.into_iter().zip(parameters.functions);
     valves
-        .filter(|(_, function)| function.has_coil())
+        .filter(|(_, function)| function.is_commanded())
         .map(|(name, _)| name)
 }
 

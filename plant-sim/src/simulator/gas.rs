@@ -58,7 +58,9 @@ fn through_valve(
     downstream: f64,
 ) -> (f64, f64) {
     if layout.is_alone[index] || open == 0.0 {
-        let flow = plant.nozzle.mass_flow(open, upstream, downstream);
+        let flow = plant.valves[index]
+            .nozzle
+            .mass_flow(open, upstream, downstream);
         (flow, upstream - downstream)
     } else if open < 0.0 {
         // Beyond the seat within a step, the law is continued smoothly, like the area.
@@ -77,7 +79,7 @@ fn through_orifices(
     downstream: f64,
 ) -> (f64, f64) {
     let additions = &plant.additions;
-    let nozzle = &plant.nozzle;
+    let nozzle = &plant.valves[index].nozzle;
     let area = narrowed(plant, index, open);
     let behind = additions.restrictions[index];
     // A line without volume is an orifice upstream of the fill valve.
@@ -185,8 +187,9 @@ pub(super) fn plain_rates(plant: &Plant, areas: [f64; 2], pressure: f64) -> GasN
     let leaks = plant.additions.leaks;
     let nozzle = &plant.nozzle;
     let (supply, drain) = (plant.supply_pressure, plant.drain_pressure);
-    let fill = nozzle.mass_flow(areas[FILL], supply, pressure);
-    let vent = nozzle.mass_flow(areas[VENT], pressure, drain);
+    let [fill, vent] = &plant.valves;
+    let fill = fill.nozzle.mass_flow(areas[FILL], supply, pressure);
+    let vent = vent.nozzle.mass_flow(areas[VENT], pressure, drain);
     let leak = leaks[0].map_or(0.0, |leak| {
         leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
     });

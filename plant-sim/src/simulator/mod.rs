@@ -34,8 +34,10 @@ pub use tolerance::Tolerance;
 use crate::additions::Additions;
 use crate::coil::Drive;
 use crate::ecu_output::{Command, EcuOutput};
+use crate::on_off_valve::Switching;
 use crate::parameters::PlantParameters;
-use crate::plant::{Plant, PlantState};
+use crate::plant::{FILL, Plant, PlantState, VENT};
+use crate::valve::{Motion, ValveFunction};
 pub use extended::EffectState;
 use extended::Extended;
 use physics::Physics;
@@ -90,6 +92,8 @@ impl Sample {
 pub struct Simulator {
     engine: Engine,
     ecu_output: EcuOutput,
+    /// Fill and vent valve, where they are on/off valves.
+    switching: [Option<Switching>; 2],
     supply_voltage: f64,
     /// Gas temperature of the plant file (K).
     gas_temperature: f64,
@@ -136,6 +140,10 @@ impl Simulator {
                 parameters.ecu.pwm_period_ns(),
                 parameters.ecu.command_delay_ns(),
             ),
+            switching: [FILL, VENT].map(|valve| {
+                let is_on_off = parameters.functions[valve] == ValveFunction::OnOff;
+                is_on_off.then(|| Switching::new(parameters.on_off(valve)))
+            }),
             supply_voltage: parameters.ecu.supply_voltage_v,
             gas_temperature: parameters.gas.temperature_k,
             time_ns: 0,
@@ -313,7 +321,14 @@ impl Simulator {
         while self.time_ns < end_ns {
             let high = self.ecu_output.update(self.time_ns);
             self.apply_outputs(high);
-            let next_ns = self.ecu_output.next_edge_ns(self.time_ns).min(end_ns);
+            let turns_ns = self
+                .switching
+                .iter()
+                .flatten()
+                .filter_map(Switching::next_turn_ns);
+            let next_ns = turns_ns
+                .fold(self.ecu_output.next_edge_ns(self.time_ns), u64::min)
+                .min(end_ns);
             let duration = (next_ns - self.time_ns) as f64 * 1e-9;
             either!(&mut self.engine, solver => solver.advance(duration));
             self.time_ns = next_ns;
@@ -321,10 +336,32 @@ impl Simulator {
     }
 
     fn apply_outputs(&mut self, high: [bool; 2]) {
-        either!(&mut self.engine, solver => drive(solver, high, self.supply_voltage));
+        let coils = [FILL, VENT].map(|valve| high[valve] && self.switching[valve].is_none());
+        either!(&mut self.engine, solver => drive(solver, coils, self.supply_voltage));
+        for (valve, high) in high.into_iter().enumerate() {
+            let switching = self.switching[valve].as_mut();
+            if let Some(velocity) = switching.and_then(|one| one.update(self.time_ns, high)) {
+                either!(&mut self.engine, solver => turn(solver, valve, velocity));
+            }
+        }
         if let Engine::Extended(solver) = &mut self.engine {
             solver.physics.switched(&mut solver.state);
         }
+    }
+}
+
+/// Sets an on/off valve into motion with `velocity`, in its whole way per second.
+fn turn<P: Physics>(solver: &mut Solver<P>, valve: usize, velocity: f64) {
+    let stroke = solver.physics.plant().valves[valve].armature.stroke;
+    let state = &mut solver.state.valves[valve];
+    let is_there = if velocity > 0.0 {
+        state.x >= stroke
+    } else {
+        state.x <= 0.0
+    };
+    if !is_there {
+        state.v = velocity * stroke;
+        state.motion = Motion::Moving;
     }
 }
 

@@ -6,6 +6,9 @@ use super::problem::Problem;
 use crate::Unit;
 use crate::name::check_name;
 
+/// Columns with the state of a valve, 0 or 1, and the duty cycles that these are.
+const STATES: [(&str, &str); 2] = [("state_fill", "duty_fill"), ("state_vent", "duty_vent")];
+
 /// Content of a column header.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Heading {
@@ -17,6 +20,9 @@ pub(crate) struct Heading {
 pub(crate) fn parse_heading(field: &str) -> Result<Heading, Problem> {
     let field = without_formula_guard(field);
     let (name, unit) = match bracketed(field) {
+        _ if let Some((_, duty)) = STATES.iter().find(|(state, _)| *state == field) => {
+            (*duty, Unit::Fraction)
+        }
         Some((name, unit)) => (name, parse_unit(unit)?),
         None => suffixed(field)?,
     };

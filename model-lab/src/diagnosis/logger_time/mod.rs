@@ -14,7 +14,7 @@ mod tries;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::valve::ValveFunction;
+use plant_sim::parameters::Part;
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
@@ -107,12 +107,8 @@ impl Delay {
     /// Returns the delays to try with each clock (s), `step_s` apart.
     fn candidates_s(self, plant: &PlantParameters, step_s: f64) -> Vec<f64> {
         let there_s = plant.ecu.command_delay_s;
-        let is_commanded = plant
-            .functions
-            .iter()
-            .any(|&function| function != ValveFunction::Absent);
         match self {
-            Self::Searched if is_commanded => {
+            Self::Searched if Part::Coil.is_in(plant) => {
                 let steps = (DELAY_REACH_S / step_s).round() as i32;
                 let delays_s = (-steps..=steps).map(|step| there_s + f64::from(step) * step_s);
                 delays_s.filter(|&delay_s| delay_s >= 0.0).collect()
@@ -125,9 +121,9 @@ impl Delay {
 /// Finds the times of the rows of `log` in the time of the ECU, with the present `plant`. `drifts_ppm` are those of other logs, perhaps of
 /// the same logger.
 pub(crate) fn find_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drifts_ppm: &[f64]) {
-    let has_coil = plant.functions.iter().any(|function| function.has_coil());
+    let is_commanded = Part::Commanded.is_in(plant);
     let has_rows = log.interval_s > 0.0 && log.duration_s() > log.interval_s;
-    if !has_coil || !has_rows {
+    if !is_commanded || !has_rows {
         return;
     }
     find_pwm_lead(plant, log, delay);

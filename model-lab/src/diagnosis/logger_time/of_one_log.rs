@@ -6,6 +6,7 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
+use plant_sim::parameters::Part;
 use plant_sim::replay::{CurrentSampling, Surroundings};
 use recording::{Recording, TimeBase};
 
@@ -40,14 +41,14 @@ pub(crate) fn conditions_of(
     log: &Recording,
     goes_on: &dyn Fn() -> bool,
 ) -> Option<LogConditions> {
-    let has_coil = plant.functions.iter().any(|function| function.has_coil());
+    let is_commanded = Part::Commanded.is_in(plant);
     let surroundings = Surroundings::of(plant, log).ok()?;
     let plant = &*surroundings.around(plant);
     let mut evidence = evidence_of(plant, &beginning(log))?;
     if !goes_on() {
         return None;
     }
-    if has_coil {
+    if is_commanded {
         find_clock_by(plant, &mut evidence, goes_on)?;
     } else if !evidence.logs[0].begins_filled() {
         // Neither a clock nor warm gas shows.
@@ -201,7 +202,7 @@ fn forget_gas_that_does_not_show(plant: &PlantParameters, log: &mut Log) {
     // The pressure of a leaking vessel falls like that of a cooling one: without commands, only a model that leaves just the noise
     // distinguishes them.
     let noise = IN_TIME_FITTED * log.counted_samples().max(1) as f64;
-    let leaves_noise = log.has_coil() || with < noise;
+    let leaves_noise = log.is_commanded() || with < noise;
     if leaves_noise && with < loss_of(plant, log) - GAS_SHOWS {
         log.conditions.start_gas = fitted;
     }

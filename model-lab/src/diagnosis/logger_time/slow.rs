@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
+use plant_sim::parameters::Part;
 use rayon::prelude::*;
 
 use super::{DELAY_STEP_S, DRIFT_MAX_PPM, EVEN_SD, IN_TIME_FITTED, loss};
@@ -58,6 +59,12 @@ pub(crate) fn find_slow_clocks(
     search: Search,
 ) -> Option<f64> {
     let there_s = plant.ecu.command_delay_s;
+    // A plant without coils has no delay but those of its valves.
+    let delays_s = if Part::Coil.is_in(plant) {
+        delays_s
+    } else {
+        (there_s, there_s)
+    };
     let logs = evidence.logs.iter().enumerate();
     let mut open: Vec<Open> = logs
         .filter(|(_, log)| log.is_clock_open())

@@ -121,7 +121,7 @@ fn sensitivities(
     for (valve, (name, step, regime, unit)) in [(FILL, supply), (VENT, vent)] {
         let Some(there) = plant
             .get(name)
-            .filter(|_| plant.functions[valve].has_coil())
+            .filter(|_| plant.functions[valve].is_commanded())
         else {
             continue;
         };

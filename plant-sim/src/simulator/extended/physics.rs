@@ -138,9 +138,13 @@ impl Physics for Extended {
     }
 
     fn rebound(&self, index: usize, arrived: &ValveState, pressure: f64) -> f64 {
+        let valve = &self.plant.valves[index];
+        if !valve.function.has_armature() {
+            return 0.0;
+        }
         let rebound = -self.plant.additions.restitution * arrived.v;
         let away = self.breakaway_force_now(index, arrived, pressure);
-        let mass = self.plant.valves[index].armature.mass;
+        let mass = valve.armature.mass;
         // Up and down under a constant force: t = 2 m v / F.
         let too_short = -away * SHORTEST_FLIGHT > 2.0 * mass * rebound.abs();
         if rebound.abs() < SLOWEST_BOUNCE || too_short {
