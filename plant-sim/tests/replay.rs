@@ -293,7 +293,7 @@ fn a_command_to_a_coil_that_is_not_there_is_refused_and_zeros_are_not() {
     );
     let message = refused.unwrap_err().to_string();
     assert!(
-        message.contains("`duty_fill` above 0 %, but the plant has no such coil"),
+        message.contains("`duty_fill` above 0 %, but the plant has no such valve"),
         "{message}"
     );
 }

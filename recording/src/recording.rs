@@ -105,6 +105,28 @@ impl Recording {
         Ok(&self.signals[last])
     }
 
+    /// Returns the recording in which the signal `from` has the name `to`; a signal of that name is left out. `None` if there is no signal
+    /// `from`.
+    pub fn renamed(&self, from: &str, to: &str) -> Option<Self> {
+        self.signal(from)?;
+        let mut renamed = self.clone();
+        if self.signal(to).is_some() {
+            renamed.leave_out(to, format!("`{from}` takes its place"));
+            renamed.signals.retain(|signal| signal.name != to);
+        }
+        for signal in renamed
+            .signals
+            .iter_mut()
+            .filter(|signal| signal.name == from)
+        {
+            to.clone_into(&mut signal.name);
+        }
+        for (name, _) in renamed.needs.iter_mut().filter(|(name, _)| name == from) {
+            to.clone_into(name);
+        }
+        Some(renamed)
+    }
+
     /// Notes that the source has `name`, which is no signal here because of `reason`; the reason is reported when
     /// `name` is required.
     pub fn leave_out(&mut self, name: impl Into<String>, reason: impl Into<String>) {

@@ -251,11 +251,15 @@ pub(crate) struct ThesisArgs {
 Examples:
   retarder parameters
   retarder parameters --toml > my-plant.toml      a plant file with a place for the uncertainty of each value
+  retarder parameters --from-datasheet my-rig.toml > my-plant.toml     a plant file from data sheets and a tape measure
   retarder parameters --plant my-plant.toml
   retarder parameters --plant my-plant.toml --set coil.resistance_20c_ohm=80 --toml > warmer.toml")]
 pub(crate) struct ParametersArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    /// Write the plant file of a rig from a TOML file with its values in the units of data sheets
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with_all = ["plant", "set"])]
+    pub(crate) from_datasheet: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) toml: TomlArg,
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use hil_harness::{ReferenceProfile, Scenario, controller_file};
 use model_lab::diagnosis::{fix, free};
-use plant_sim::PlantParameters;
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
+use plant_sim::{ParameterError, PlantParameters};
 use recording::csv::{self, Mapping};
 use recording::{
     InputFile, LogOptions, OpenLog, Recording, open_log, open_log_file, read_log, read_log_file,
@@ -49,23 +49,7 @@ impl NamedPlant {
     pub(crate) fn from_args(args: &PlantArgs, default: Self) -> Result<Self, Failure> {
         let mut plant = match &args.plant {
             None => default,
-            Some(path) => {
-                let text = read_text(path)?;
-                let name = path.display().to_string();
-                let parameters = PlantParameters::from_toml(&text, &name).map_err(|error| {
-                    let lines = error.problems().iter().filter_map(|problem| problem.line());
-                    let source_lines = SourceLines::of(&text, lines);
-                    Failure::Plant {
-                        error,
-                        source_lines,
-                    }
-                })?;
-                Self {
-                    name,
-                    parameters,
-                    file: Some(identity(&text)),
-                }
-            }
+            Some(path) => Self::read(path, PlantParameters::from_toml)?,
         };
         for change in &args.set {
             plant
@@ -80,6 +64,28 @@ impl NamedPlant {
             plant.name += &format!(", {} = {}", change.name, change.value);
         }
         Ok(plant)
+    }
+
+    /// Returns the plant that `parse` makes of a file, from its text and its name.
+    pub(crate) fn read(
+        path: &Path,
+        parse: impl Fn(&str, &str) -> Result<PlantParameters, ParameterError>,
+    ) -> Result<Self, Failure> {
+        let text = read_text(path)?;
+        let name = path.display().to_string();
+        let parameters = parse(&text, &name).map_err(|error| {
+            let lines = error.problems().iter().filter_map(|problem| problem.line());
+            let source_lines = SourceLines::of(&text, lines);
+            Failure::Plant {
+                error,
+                source_lines,
+            }
+        })?;
+        Ok(Self {
+            name,
+            parameters,
+            file: Some(identity(&text)),
+        })
     }
 
     /// Applies the options that state how well the parameters are known.

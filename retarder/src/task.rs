@@ -8,13 +8,15 @@ use clap::CommandFactory as _;
 use model_lab::CompareOptions;
 use model_lab::diagnosis::asking_plant_file;
 use model_lab::diagnosis::next_experiment::Limits;
+use plant_sim::PlantParameters;
 use plant_sim::effects::by_id;
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, Part};
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, DiagnoseArgs, LogsArgs,
-    NextExperimentArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName, SimulateArgs, TabArgs,
+    NextExperimentArgs, ParametersArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName,
+    SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
@@ -103,6 +105,13 @@ impl Task {
                 } else {
                     Work::Thesis(plant)
                 }
+            }
+            Some(Command::Parameters(ParametersArgs {
+                from_datasheet: Some(path),
+                ..
+            })) => {
+                let plant = NamedPlant::read(&path, PlantParameters::from_datasheet)?;
+                Work::Text(plant.parameters.to_toml())
             }
             Some(Command::Parameters(args)) => {
                 let is_untouched = args.plant.plant.is_none() && args.plant.set.is_empty();

@@ -60,9 +60,7 @@ pub(crate) fn find_in_free_run(
     // What the fit in free run takes away is correlated over the whole log; an effect does not have to show beside it.
     base.correlation_samples = plain.correlation_samples;
     let found = find_on(split, plant, library, (plain, &base), watch)?;
-    let is_explained = matches!(found.verdict(), Verdict::Found | Verdict::Adequate);
-    let mut named = predicted.last().effects.iter();
-    if is_explained && named.all(|effect| found.last().has(effect.id())) {
+    if matches!(found.verdict(), Verdict::Found | Verdict::Adequate) {
         return Ok(Some(found));
     }
     split.judge_in(Horizon::OneStepAhead);

@@ -46,14 +46,16 @@ pub fn known(plant: &PlantParameters, name: &str) -> Option<Known> {
     }
     let around = |half| Knowledge::Tolerance(half).bounds(spec, value);
     let leader = leader_of(name).filter(|leader| !is_exact(plant, leader));
-    Some(match first_file_spread(name, value) {
-        None => Known::Exact,
-        Some(half) => Known::Bare {
-            usual: usual_spread(name, value).map(around),
-            together_with: leader,
-            estimated: around(half),
+    Some(
+        match first_file_spread(name, value).filter(|half| *half > 0.0) {
+            None => Known::Exact,
+            Some(half) => Known::Bare {
+                usual: usual_spread(name, value).map(around),
+                together_with: leader,
+                estimated: around(half),
+            },
         },
-    })
+    )
 }
 
 /// Parameter that a state of the rig moves by more than a first plant file is wrong: the temperature of the winding.

@@ -113,7 +113,7 @@ const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume 4 %, magnetic circuits 8
 /// %; the delay of an output stage, and a pressure regulator with its gauge.
-static ORDINARY: [Ordinary; 26] = [
+static ORDINARY: [Ordinary; 31] = [
     relative(
         "flow.discharge_fill",
         0.10,
@@ -342,6 +342,40 @@ static ORDINARY: [Ordinary; 26] = [
             0.4,
             Shown::InPressure,
             "log the pressure faster than the valve closes",
+        )
+    },
+    relative(
+        "chamber.growth_m3_per_bar",
+        0.25,
+        Shown::InPressure,
+        "command the same pulses at low and at high pressure; fix the volume",
+    ),
+    relative(
+        "chamber.growth_pressure_bar",
+        0.25,
+        Shown::InPressure,
+        "command the same pulses at low and at high pressure; fix the volume",
+    ),
+    relative(
+        "second_chamber.volume_m3",
+        0.15,
+        Shown::InPressure,
+        "measure the volume, and fix it",
+    ),
+    relative(
+        "second_chamber.conductance_dm3_per_s_bar",
+        0.25,
+        Shown::InPressure,
+        "command single long pulses, and log the pressure until it rests",
+    ),
+    Ordinary {
+        usual: Some(Spread::Absolute(0.1)),
+        first_file: Spread::Absolute(0.2),
+        ..relative(
+            "second_chamber.critical_ratio",
+            0.0,
+            Shown::InPressure,
+            "command single long pulses, and log the pressure until it rests",
         )
     },
 ];

@@ -150,9 +150,9 @@ impl Selection {
         self.within.as_ref().unwrap_or(&self.steps[0])
     }
 
-    /// Whether the errors that are left are within the noise one step ahead and add up in free run.
+    /// Whether nothing is missing one step ahead, and errors add up in free run.
     pub(crate) fn adds_up(&self, bench: &Bench) -> bool {
-        matches!(self.verdict(), Verdict::Adequate | Verdict::Found) && bench.adds_up(self.last())
+        self.verdict() == Verdict::Adequate && bench.adds_up(self.last())
     }
 
     /// Returns the selection, made with wider ranges than those of `within`, which keeps to the tolerances of the plant file. The effect of

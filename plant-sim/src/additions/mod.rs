@@ -3,6 +3,7 @@
 
 mod cavity;
 mod flow_force;
+mod growth;
 mod heating;
 mod leak;
 mod line;
@@ -15,6 +16,7 @@ mod warm_up;
 pub use cavity::Cavity;
 pub(crate) use cavity::Tube;
 pub use flow_force::FlowForce;
+pub use growth::Growth;
 pub(crate) use heating::{CoilTemperature, resistance};
 pub use heating::{HeatStore, Heating};
 pub use leak::Leak;
@@ -48,6 +50,8 @@ pub struct Additions {
     pub wall_heat: Option<WallHeat>,
     /// Second volume behind a tube.
     pub cavity: Option<Cavity>,
+    /// Growth of the chamber with the pressure.
+    pub growth: Option<Growth>,
     /// Plunger that enlarges the chamber.
     pub plunger: Option<Plunger>,
     /// Saturation of the iron.
@@ -100,6 +104,7 @@ impl Additions {
             || self.combined != [None; 2]
             || self.wall_heat.is_some()
             || self.cavity.is_some()
+            || self.growth.is_some()
             || self.plunger.is_some()
             || !self.hooks.is_empty()
     }

@@ -26,6 +26,14 @@ pub(crate) struct Volume {
     pub(crate) growth: f64,
 }
 
+impl Volume {
+    pub(crate) const NONE: Self = Self {
+        size: 0.0,
+        compliance: 0.0,
+        growth: 0.0,
+    };
+}
+
 impl Plunger {
     /// Returns the share of the travel (-) of a plunger without friction at `pressure` (Pa abs).
     fn free(&self, pressure: f64) -> f64 {

@@ -35,6 +35,16 @@ pub(crate) struct Balance {
 const REFERENCE_KELVIN: f64 = 30.0;
 
 impl WallHeat {
+    /// Returns the heat transfer of another volume, `times` as large, with a wall at the temperature of the surroundings: the area of its
+    /// wall grows with the two-thirds power of the volume.
+    pub(crate) fn of_volume(&self, times: f64) -> Self {
+        Self {
+            conductance: self.conductance * times.powf(2.0 / 3.0),
+            wall: None,
+            ..*self
+        }
+    }
+
     /// Returns the conductance between gas and wall (W/K). Turbulent natural convection has Nu ∝ Ra^(1/3), and Ra is
     /// proportional to ρ² ΔT: the size of the chamber cancels.
     pub(crate) fn conductance(&self, pressure: f64, temperature: f64, wall: f64) -> f64 {

@@ -14,6 +14,7 @@ pub use parameters::{Effect, EffectSetting, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, RegulatingValveParameters,
+    SecondChamberParameters,
 };
 pub(crate) use spec::{EFFECTS, effect_parameters};
 pub use spec::{ParameterSpec, Scale, Size};

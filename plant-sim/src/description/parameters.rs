@@ -10,6 +10,7 @@ use super::sections::PA_PER_BAR;
 use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, OnOffValveParameters, RegulatingValveParameters,
+    SecondChamberParameters,
 };
 use super::spec::ParameterSpec;
 use crate::plant::{FILL, Plant};
@@ -36,6 +37,8 @@ pub struct PlantParameters {
     pub gas: GasParameters,
     /// `[chamber]`; a volume of 0 means no chamber.
     pub chamber: ChamberParameters,
+    /// `[second_chamber]`, with the pressure sensor; a volume of 0 means that there is none.
+    pub second_chamber: SecondChamberParameters,
     /// `[valves]`: function of the valve between supply and chamber (fill), and of the valve between chamber and drain
     /// (vent).
     pub functions: [ValveFunction; 2],
@@ -243,6 +246,7 @@ impl PlantParameters {
                 supply_gauge_offset_bar: 0.0,
             },
             chamber: ChamberParameters::default(),
+            second_chamber: SecondChamberParameters::default(),
             functions: [ValveFunction::NormallyClosed; 2],
             regulating_valve: None,
             effects: Vec::new(),

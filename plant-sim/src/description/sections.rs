@@ -83,6 +83,17 @@ pub struct GasParameters {
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]
 pub struct ChamberParameters {
     pub volume_m3: f64,
+    pub growth_m3_per_bar: f64,
+    pub growth_pressure_bar: f64,
+}
+
+/// Second chamber behind a line.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct SecondChamberParameters {
+    pub volume_m3: f64,
+    pub conductance_dm3_per_s_bar: f64,
+    pub critical_ratio: f64,
 }
 
 /// Regulating valve behind the chamber.

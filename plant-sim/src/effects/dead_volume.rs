@@ -60,6 +60,7 @@ impl Effect for DeadVolume {
                 }),
             },
             holds_the_sensor: setting.variant().name != "side_chamber",
+            has_the_leak: false,
         });
     }
 }

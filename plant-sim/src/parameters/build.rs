@@ -1,7 +1,7 @@
 //! Conversion of parameters into physics.
 
 use super::parts::Part;
-use crate::additions::Additions;
+use crate::additions::{Additions, Cavity, Growth, Tube};
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
@@ -10,6 +10,7 @@ use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice, Subsonic};
 use crate::plant::{FILL, Plant, VENT};
+use crate::restriction::Restriction;
 use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
@@ -110,7 +111,11 @@ impl PlantParameters {
             ambient_pressure: gas.ambient_pressure_pa,
             drain_pressure: gas.ambient_pressure_pa,
             diode_drop: self.ecu.free_wheel_diode_drop_v,
-            additions: Additions::default(),
+            additions: Additions {
+                growth: Growth::new(&self.chamber, gas.ambient_pressure_pa),
+                cavity: self.second_chamber(),
+                ..Additions::default()
+            },
         }
     }
 
@@ -122,19 +127,7 @@ impl PlantParameters {
     /// Returns an on/off valve, whose opening is the open share of its conductance (E61).
     fn on_off_valve(&self, index: usize) -> Valve {
         let on_off = self.on_off(index);
-        let gas = &self.gas;
-        let nozzle = NozzleLaw::with_branch(
-            gas.heat_capacity_ratio,
-            gas.gas_constant_j_per_kg_k,
-            gas.temperature_k,
-            on_off.critical_ratio,
-            Subsonic::Ellipse,
-        );
-        let (density, temperature) = REFERENCE_AIR;
-        let choked_flow = on_off.conductance_dm3_per_s_bar
-            * M3_PER_PA_S
-            * density
-            * (temperature / gas.temperature_k).sqrt();
+        let (area, nozzle) = self.iso6358(on_off.conductance_dm3_per_s_bar, on_off.critical_ratio);
         let (magnet, armature) = FREE;
         // A curtain of this diameter reaches its largest area at full stroke.
         let diameter = 4.0 * armature.stroke;
@@ -142,11 +135,43 @@ impl PlantParameters {
         Valve {
             coil: NO_COIL,
             magnet,
-            orifice: Orifice::new(diameter, choked_flow / (nozzle.choked_factor() * bore)),
+            orifice: Orifice::new(diameter, area / bore),
             armature,
             nozzle,
             function: ValveFunction::OnOff,
         }
+    }
+
+    /// Returns the effective area (m²) and the law of a flow with conductance C (dm³/(s bar)) and critical ratio b (E61).
+    fn iso6358(&self, conductance: f64, critical_ratio: f64) -> (f64, NozzleLaw) {
+        let gas = &self.gas;
+        let nozzle = NozzleLaw::with_branch(
+            gas.heat_capacity_ratio,
+            gas.gas_constant_j_per_kg_k,
+            gas.temperature_k,
+            critical_ratio,
+            Subsonic::Ellipse,
+        );
+        let (density, temperature) = REFERENCE_AIR;
+        let choked_flow =
+            conductance * M3_PER_PA_S * density * (temperature / gas.temperature_k).sqrt();
+        (choked_flow / nozzle.choked_factor(), nozzle)
+    }
+
+    /// Returns the second chamber with its line, if there is one.
+    fn second_chamber(&self) -> Option<Cavity> {
+        let second = &self.second_chamber;
+        let is_there = Part::SecondChamber.is_in(self);
+        is_there.then(|| {
+            let (effective_area, nozzle) =
+                self.iso6358(second.conductance_dm3_per_s_bar, second.critical_ratio);
+            Cavity {
+                volume: second.volume_m3,
+                tube: Tube::Line(Restriction { effective_area }, Box::new(nozzle)),
+                holds_the_sensor: true,
+                has_the_leak: true,
+            }
+        })
     }
 
     fn valve(&self, index: usize, nozzle: &NozzleLaw) -> Valve {

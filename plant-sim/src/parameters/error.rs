@@ -43,6 +43,19 @@ pub enum Problem {
     },
     /// A required key is missing.
     MissingKey { spec: &'static ParameterSpec },
+    /// A datasheet file omits a value that a part of the rig needs.
+    MissingValue {
+        key: &'static str,
+        range: (f64, f64),
+        about: &'static str,
+    },
+    /// A value of a datasheet file is outside its range, in the unit of its key.
+    ValueOutOfRange {
+        line: usize,
+        key: &'static str,
+        value: f64,
+        range: (f64, f64),
+    },
     /// The value has another type than expected.
     WrongType {
         line: usize,
@@ -102,8 +115,10 @@ impl Problem {
             | Self::AbsentPart { line, .. }
             | Self::WrongType { line, .. }
             | Self::OutOfRange { line, .. }
+            | Self::ValueOutOfRange { line, .. }
             | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
             Self::MissingKey { .. }
+            | Self::MissingValue { .. }
             | Self::AbsentSection { .. }
             | Self::NothingToActOn { .. }
             | Self::Inconsistent { .. } => None,
@@ -183,6 +198,21 @@ impl fmt::Display for Problem {
                     None => Ok(()),
                 }
             }
+            Self::MissingValue { key, range, about } => write!(
+                f,
+                "`{key}` is missing: {about}; add it with a value from {} to {}, and its uncertainty behind it, such as `# guessed, ±25 %`",
+                brief(range.0),
+                brief(range.1)
+            ),
+            Self::ValueOutOfRange {
+                key, value, range, ..
+            } => write!(
+                f,
+                "`{key}` = {} is out of range: allowed {} to {}",
+                brief(*value),
+                brief(range.0),
+                brief(range.1)
+            ),
             Self::WrongType {
                 key,
                 found,
@@ -235,6 +265,16 @@ impl fmt::Display for Problem {
             ),
             Self::Inconsistent { key, rule } => write!(f, "`{key}`: {rule}"),
         }
+    }
+}
+
+/// Returns a number with few digits.
+fn brief(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
     }
 }
 

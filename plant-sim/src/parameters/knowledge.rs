@@ -30,11 +30,20 @@ pub(super) const FORMS: &str = "a number, { value = V, tolerance_pct = T }, { va
 /// Returns the value of `item` and the knowledge about it; `None` if it has none of the [`FORMS`]. A value out of range
 /// is returned, and the caller refuses it; invalid bounds and tolerances count as none of the forms.
 pub(super) fn read(spec: &ParameterSpec, item: &Item) -> Option<(f64, Option<Knowledge>)> {
+    read_in(item, |value| spec.contains(value), Some(spec))
+}
+
+/// Reads the same in another unit, in which `contains` tells whether a bound is in range; `"unknown"` needs a `spec`.
+pub(super) fn read_in(
+    item: &Item,
+    contains: impl Fn(f64) -> bool,
+    spec: Option<&ParameterSpec>,
+) -> Option<(f64, Option<Knowledge>)> {
     if let Some(value) = number(item) {
         return Some((value, None));
     }
     if item.as_str() == Some(UNKNOWN) {
-        return Some((start_of_unknown(spec), Some(Knowledge::Unknown)));
+        return Some((start_of_unknown(spec?), Some(Knowledge::Unknown)));
     }
     let table = item.as_table_like()?;
     if table.iter().any(|(key, _)| !KEYS.contains(&key)) {
@@ -54,9 +63,7 @@ pub(super) fn read(spec: &ParameterSpec, item: &Item) -> Option<(f64, Option<Kno
     let knowledge = match (percent, half, range) {
         (Some(percent), ..) if is_width(percent) => Some(Knowledge::TolerancePct(percent)),
         (_, Some(half), _) if is_width(half) => Some(Knowledge::Tolerance(half)),
-        (_, _, Some((least, most)))
-            if spec.contains(least) && spec.contains(most) && least < most =>
-        {
+        (_, _, Some((least, most))) if contains(least) && contains(most) && least < most => {
             Some(Knowledge::Range(least, most))
         }
         (None, None, None) => match table.get(EXACT).map(|item| item.as_bool()) {

@@ -6,6 +6,7 @@
 mod access;
 mod build;
 mod consistency;
+mod datasheet;
 mod error;
 mod knowledge;
 mod names;
@@ -18,7 +19,7 @@ mod write;
 pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, Knowledge, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ParameterSpec,
-    PlantParameters, RegulatingValveParameters, Scale, Size,
+    PlantParameters, RegulatingValveParameters, Scale, SecondChamberParameters, Size,
 };
 pub use error::{ParameterError, Problem};
 pub use parts::Part;

@@ -14,14 +14,19 @@ pub(super) const FUNCTIONS: [(&str, ValveFunction); 6] = [
     ("absent", ValveFunction::Absent),
 ];
 
-/// Keys that a file omits if they are 0: those of optional sensors.
-pub(super) const OF_SENSORS: [(&str, &str); 2] = [
+/// Keys that a file omits if they are 0.
+pub(super) const OMITTED_IF_0: [(&str, &str); 4] = [
     ("gas", "thermometer_wall_share"),
     ("gas", "supply_gauge_offset_bar"),
+    (CHAMBER, "growth_m3_per_bar"),
+    (CHAMBER, "growth_pressure_bar"),
 ];
 
 /// Table that a plant without chamber omits.
 pub(super) const CHAMBER: &str = "chamber";
+
+/// Table that a plant with one chamber omits.
+pub(super) const SECOND_CHAMBER: &str = "second_chamber";
 
 /// Optional table of a plant file.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::names::{CHAMBER, REGULATING_VALVE, VALVE_KEYS, VALVES};
+use super::names::{CHAMBER, REGULATING_VALVE, SECOND_CHAMBER, VALVE_KEYS, VALVES};
 use crate::description::{
     Effect, EffectSetting, EntryPoint, ParameterSpec, PlantParameters, Variant,
 };
@@ -35,6 +35,10 @@ pub enum Part {
     FlowThrough(usize),
     /// Chamber with its gas.
     Chamber,
+    /// Second chamber behind a line.
+    SecondChamber,
+    /// Chamber without a second one.
+    SingleChamber,
     /// Part that every plant has, or unknown part of a user-defined effect.
     Any,
 }
@@ -44,6 +48,7 @@ impl Part {
     pub fn is_in(self, plant: &PlantParameters) -> bool {
         let any = |has: fn(ValveFunction) -> bool| plant.functions.into_iter().any(has);
         let has_chamber = plant.chamber.volume_m3 > 0.0;
+        let has_second = has_chamber && plant.second_chamber.volume_m3 > 0.0;
         let is_on_off = |valve: usize| plant.functions[valve] == ValveFunction::OnOff;
         match self {
             Self::Commanded => any(ValveFunction::is_commanded),
@@ -59,6 +64,8 @@ impl Part {
             Self::Flow => has_chamber && any(ValveFunction::has_orifice),
             Self::FlowThrough(valve) => has_chamber && plant.functions[valve].has_orifice(),
             Self::Chamber => has_chamber,
+            Self::SecondChamber => has_second,
+            Self::SingleChamber => has_chamber && !has_second,
             Self::Any => true,
         }
     }
@@ -102,6 +109,8 @@ impl Part {
             ("gas", "supply_pressure_bar_gauge" | "supply_gauge_offset_bar") => {
                 Self::FlowThrough(FILL)
             }
+            (SECOND_CHAMBER, _) => Self::SecondChamber,
+            ("effects.dead_volume", _) => Self::SingleChamber,
             ("flow" | "gas" | CHAMBER | REGULATING_VALVE, _) => Self::Chamber,
             ("effects.series_restriction", "fill_area_ratio") => Self::FlowThrough(FILL),
             ("effects.series_restriction", "vent_area_ratio") => Self::FlowThrough(VENT),
@@ -121,12 +130,16 @@ impl Part {
         match self {
             Self::Coil | Self::Commanded => Some(words(&VALVE_KEYS, "\"absent\"")),
             Self::Orifice => Some(words(&VALVE_KEYS, "\"on_off\"")),
-            Self::OrificeOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"on_off\"")),
             Self::Armature => Some(words(&VALVE_KEYS, "\"blocked\"")),
             Self::ArmatureOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"always_open\"")),
-            Self::FlowThrough(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"absent\"")),
+            Self::FlowThrough(valve) | Self::OrificeOf(valve) => {
+                Some(words(&VALVE_KEYS[valve..=valve], "\"absent\""))
+            }
             Self::Flow | Self::Chamber | Self::ArmatureUnderPressure => {
                 Some(format!("no table [{CHAMBER}]"))
+            }
+            Self::SecondChamber | Self::SingleChamber => {
+                Some(format!("no table [{SECOND_CHAMBER}]"))
             }
             Self::OnOffValve(_) | Self::Any => None,
         }
@@ -160,18 +173,13 @@ impl fmt::Display for Part {
             Self::ArmatureUnderPressure => f.write_str("armature under a chamber's pressure"),
             Self::OnOffValve(valve) => write!(f, "on/off {} valve", VALVE_KEYS[*valve]),
             Self::Orifice => f.write_str("orifice with a diameter"),
-            Self::OrificeOf(valve) => {
-                write!(
-                    f,
-                    "{} valve with an orifice of a diameter",
-                    VALVE_KEYS[*valve]
-                )
-            }
             Self::Flow => f.write_str("valve or orifice that air flows through"),
-            Self::FlowThrough(valve) => {
+            Self::FlowThrough(valve) | Self::OrificeOf(valve) => {
                 write!(f, "{} valve that air flows through", VALVE_KEYS[*valve])
             }
             Self::Chamber => f.write_str("chamber"),
+            Self::SecondChamber => f.write_str("second chamber"),
+            Self::SingleChamber => f.write_str("chamber without a second one"),
             Self::Any => f.write_str("such part"),
         }
     }

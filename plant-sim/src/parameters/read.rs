@@ -8,7 +8,9 @@ use toml_edit::{Document, Item, TableLike};
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
-use super::names::{CHAMBER, FUNCTIONS, OF_SENSORS, REGULATING_VALVE, VALVE_KEYS, VALVES, VARIANT};
+use super::names::{
+    CHAMBER, FUNCTIONS, OMITTED_IF_0, REGULATING_VALVE, SECOND_CHAMBER, VALVE_KEYS, VALVES, VARIANT,
+};
 use super::parts::Part;
 use super::table::PARAMETERS;
 use super::units::{converted, in_other_unit};
@@ -84,6 +86,9 @@ impl Reader<'_> {
             // The chamber exists until its volume is read.
             self.parameters.chamber.volume_m3 = 1.0;
         }
+        if root.contains_key(SECOND_CHAMBER) {
+            self.parameters.second_chamber.volume_m3 = 1.0;
+        }
         for (section, item) in root.iter() {
             let line = self.line(root.key(section).and_then(toml_edit::Key::span));
             let Some(table) = item.as_table_like() else {
@@ -121,7 +126,7 @@ impl Reader<'_> {
         for &spec in PARAMETERS.iter() {
             let in_table = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
             let needed = in_table
-                && !OF_SENSORS.contains(&(spec.section, spec.key))
+                && !OMITTED_IF_0.contains(&(spec.section, spec.key))
                 && Part::of_parameter(spec).is_in(&self.parameters);
             if needed && !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });
@@ -191,7 +196,7 @@ impl Reader<'_> {
             if let Some(knowledge) = knowledge {
                 self.parameters.knowledge.insert(name.clone(), knowledge);
             }
-            if let Some(comment) = self.comment_behind(item) {
+            if let Some(comment) = comment_behind(self.text, item) {
                 self.parameters.provenance.insert(name, comment);
             }
         }
@@ -297,13 +302,6 @@ impl Reader<'_> {
     fn line(&self, span: Option<Range<usize>>) -> usize {
         line_of(self.text, span)
     }
-
-    /// Returns the comment after a value on its line: the provenance of the value.
-    fn comment_behind(&self, item: &Item) -> Option<String> {
-        let rest = self.text.get(item.span()?.end..)?.lines().next()?;
-        let comment = rest.trim_start().strip_prefix('#')?.trim();
-        (!comment.is_empty()).then(|| comment.to_owned())
-    }
 }
 
 /// Returns text of the file in a form that a message may show.
@@ -314,7 +312,14 @@ fn quotable(text: &str) -> String {
         .collect()
 }
 
-fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
+/// Returns the comment after a value on its line: the provenance of the value.
+pub(super) fn comment_behind(text: &str, item: &Item) -> Option<String> {
+    let rest = text.get(item.span()?.end..)?.lines().next()?;
+    let comment = rest.trim_start().strip_prefix('#')?.trim();
+    (!comment.is_empty()).then(|| comment.to_owned())
+}
+
+pub(super) fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
     span.map_or(0, |span| {
         1 + text.as_bytes()[..span.start.min(text.len())]
             .iter()

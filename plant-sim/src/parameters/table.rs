@@ -94,6 +94,11 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     gas.thermometer_wall_share [""] 0.0 ..= 0.9, "share of the wall's temperature in what a thermometer in the gas shows, by radiation and along its stem; may be absent and is 0 then";
     gas.supply_gauge_offset_bar ["bar"] -1.0 ..= 1.0, "what a logged supply pressure p_sup shows more than there is (E60); may be absent and is 0 then";
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
+    chamber.growth_m3_per_bar ["m3/bar"] 0.0 ..= 0.01, "growth of a hose per bar gauge, beyond volume_m3 at ambient pressure (E63); may be absent and is 0 then";
+    chamber.growth_pressure_bar ["bar"] 0.0 ..= 100.0, "gauge pressure over which the growth fades to 1/e (E63); may be absent, the growth is in proportion to the pressure then";
+    second_chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "volume of a second chamber behind a line, with the pressure sensor (E64)";
+    second_chamber.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the line to the second chamber (ISO 6358, equation E61)";
+    second_chamber.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the line to the second chamber (ISO 6358, equation E61)";
 }
 
 parameters! { REGULATING_VALVE_MODEL regulating_valve_field regulating_valve_field_mut optional:

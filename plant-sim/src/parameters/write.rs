@@ -3,7 +3,7 @@
 use core::fmt::Write as _;
 
 use super::knowledge;
-use super::names::{FUNCTIONS, OF_SENSORS, VALVE_KEYS, VALVES, VARIANT};
+use super::names::{FUNCTIONS, OMITTED_IF_0, VALVE_KEYS, VALVES, VARIANT};
 use super::table::PARAMETERS;
 use crate::description::{EffectSetting, ParameterSpec, PlantParameters};
 
@@ -16,7 +16,7 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         let Some(value) = spec.value(parameters) else {
             continue;
         };
-        if OF_SENSORS.contains(&(spec.section, spec.key)) && value == 0.0 {
+        if OMITTED_IF_0.contains(&(spec.section, spec.key)) && value == 0.0 {
             continue;
         }
         if spec.section != section {

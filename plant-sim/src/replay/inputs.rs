@@ -54,6 +54,8 @@ pub const LONGEST_GAP_S: f64 = 3600.0;
 const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
 /// Names of the coil currents, fill and vent.
 const CURRENTS: [&str; 2] = ["i_fill", "i_vent"];
+/// Name of the pressure in a second chamber.
+const SECOND_PRESSURE: &str = "p_second";
 /// Name of the supply voltage.
 const SUPPLY_VOLTAGE: &str = "u_bat";
 /// Number of median steps of the commands above which a pause hides commands: a row in it does not look ahead.
@@ -62,12 +64,18 @@ const PAUSE_STEPS: f64 = 2.5;
 const ALIKE_RATE: f64 = 1.5;
 
 /// Returns `log` with the commands and all signals that the model computes on one time base, each at its own instants.
+/// The pressure of a plant with a second chamber is `p_second`, where the log has it.
 /// The supply voltage is an input as the supply pressure, and keeps its time base.
 pub fn united<'a>(parameters: &PlantParameters, log: &'a Recording) -> Cow<'a, Recording> {
     let is_computed = |name: &str| {
         let mut of_model = signals(parameters).map(|(signal, _)| signal);
         DUTIES.contains(&name) || (name != SUPPLY_VOLTAGE && of_model.any(|one| one == name))
     };
+    if Part::SecondChamber.is_in(parameters)
+        && let Some(renamed) = log.renamed(SECOND_PRESSURE, "p_ch")
+    {
+        return Cow::Owned(renamed.united(is_computed).into_owned());
+    }
     log.united(is_computed)
 }
 

@@ -1,7 +1,7 @@
 //! Flows and pressures with effects.
 
 use super::layout::Layout;
-use crate::additions::{Balance, Line, Volume};
+use crate::additions::{Balance, Cavity, Line, Volume};
 use crate::hooks::{self, Now};
 use crate::plant::{FILL, Plant, VENT};
 use crate::resting_pressure::RestingPressure;
@@ -131,6 +131,7 @@ pub(super) fn resting_pressure(
         || additions.polarisation.is_some()
         || additions.wall_heat.is_some()
         || additions.cavity.is_some()
+        || additions.growth.is_some()
         || additions.plunger.is_some()
         || !(follows_areas(0) && follows_areas(1))
         // The leak goes to ambient, independent of the drain.
@@ -167,17 +168,17 @@ pub(super) fn pressure_drop(
 
 /// Returns the volume of the gas while the pressure rises or falls.
 fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
-    let swept = match &plant.additions.plunger {
-        Some(plunger) => plunger.volume(swept, pressure, rises),
-        None => Volume {
-            size: 0.0,
-            compliance: 0.0,
-            growth: 0.0,
-        },
-    };
+    let additions = &plant.additions;
+    let swept = additions.plunger.map_or(Volume::NONE, |plunger| {
+        plunger.volume(swept, pressure, rises)
+    });
+    let grown = additions
+        .growth
+        .map_or(Volume::NONE, |growth| growth.volume(pressure));
     Volume {
-        size: plant.chamber.volume + swept.size,
-        ..swept
+        size: plant.chamber.volume + swept.size + grown.size,
+        compliance: swept.compliance + grown.compliance,
+        growth: swept.growth,
     }
 }
 
@@ -197,6 +198,61 @@ pub(super) fn plain_rates(plant: &Plant, areas: [f64; 2], pressure: f64) -> GasN
     GasNow {
         pressure_rate: plant.chamber.pressure_per_mass * (fill - vent - leak + seat),
         drops: [supply - pressure, pressure - drain],
+    }
+}
+
+/// Air that a second chamber takes from the first one.
+struct Second {
+    /// Mass flow (kg/s).
+    inflow: f64,
+    /// Mass flow into the first chamber, times the excess of its temperature over that of the surroundings (kg K/s).
+    warmth: f64,
+}
+
+/// Sets the rates of pressure and temperature of a second chamber, from which `leak` (kg/s) escapes (E64).
+fn second_chamber(
+    plant: &Plant,
+    layout: &Layout,
+    cavity: &Cavity,
+    (pressure, index): (f64, usize),
+    leak: f64,
+    extra: &[f64],
+    extra_rates: &mut [f64],
+) -> Second {
+    let (Some(heat), Some(first), Some(second)) = (
+        plant.additions.wall_heat,
+        layout.temperature,
+        layout.second_temperature,
+    ) else {
+        return Second {
+            inflow: 0.0,
+            warmth: 0.0,
+        };
+    };
+    let [near, far, around] = [extra[first], extra[second], heat.surroundings];
+    let far_pressure = extra[index];
+    let flow = cavity.inflow(&plant.nozzle, pressure, far_pressure);
+    let upstream = if flow > 0.0 { near } else { far };
+    let flow = flow * (around / upstream).sqrt();
+    let leak = leak * (around / far).sqrt();
+    let (inflow, outflow) = (flow.max(0.0), (-flow).max(0.0) + leak);
+    let heat = heat.of_volume(cavity.volume / plant.chamber.volume);
+    // What flows in has the temperature of the first chamber.
+    let warm = inflow * near / around;
+    let power = heat.pressure_power([warm, outflow], far_pressure, far, around);
+    let balance = Balance {
+        inflow,
+        outflow,
+        volume: Volume {
+            size: cavity.volume,
+            ..Volume::NONE
+        },
+    };
+    [extra_rates[index], extra_rates[second], _] =
+        heat.rates(&balance, power, far_pressure, far, around);
+    Second {
+        inflow: flow,
+        warmth: (-flow).max(0.0) * (far - around),
     }
 }
 
@@ -225,14 +281,26 @@ pub(super) fn rates(
     let sink = sink(plant, layout, extra);
     let (vent, vent_drop) = through_valve(plant, layout, (VENT, areas[VENT]), pressure, sink);
     let seat = additions.leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, source, pressure));
+    let far = match (&additions.cavity, layout.cavity) {
+        (Some(cavity), Some(index)) if cavity.has_the_leak => Some(extra[index]),
+        _ => None,
+    };
     let leak = additions.leaks[0].map_or(0.0, |leak| {
-        leak.mass_flow(nozzle, pressure, plant.ambient_pressure)
+        leak.mass_flow(nozzle, far.unwrap_or(pressure), plant.ambient_pressure)
     });
     let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.inflow, now));
+    let mut cavity_warmth = 0.0;
     let cavity = match (&additions.cavity, layout.cavity) {
+        (Some(cavity), Some(index)) if layout.second_temperature.is_some() => {
+            let states = (pressure, index);
+            let second = second_chamber(plant, layout, cavity, states, leak, extra, extra_rates);
+            cavity_warmth = second.warmth;
+            second.inflow
+        }
         (Some(cavity), Some(index)) => {
             let flow = cavity.inflow(nozzle, pressure, extra[index]);
-            extra_rates[index] = plain * plant.chamber.volume / cavity.volume * flow;
+            let lost = if cavity.has_the_leak { leak } else { 0.0 };
+            extra_rates[index] = plain * plant.chamber.volume / cavity.volume * (flow - lost);
             flow
         }
         _ => 0.0,
@@ -258,14 +326,17 @@ pub(super) fn rates(
     let filled = account(fill, source >= pressure);
     let vented = account(-vent, sink > pressure);
     let seeped = account(seat, source >= pressure);
-    account(-leak, plant.ambient_pressure > pressure);
+    if far.is_none() {
+        account(-leak, plant.ambient_pressure > pressure);
+    }
     account(own, own >= 0.0);
 
     let pressure_rate = match (&additions.wall_heat, layout.temperature) {
         (Some(heat), Some(index)) => {
             let wall = layout.wall.map_or(heat.surroundings, |wall| extra[wall]);
             let temperature = extra[index];
-            let power = heat.pressure_power([inflow, outflow], pressure, temperature, wall);
+            let power = heat.pressure_power([inflow, outflow], pressure, temperature, wall)
+                + heat.heat_capacity_ratio * heat.gas_constant * cavity_warmth;
             let balance = Balance {
                 inflow,
                 outflow,

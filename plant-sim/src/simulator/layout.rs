@@ -1,7 +1,7 @@
 //! Layout of the states that effects add after those of the valves.
 
 use super::physics::{FEW, MANY, Width};
-use crate::additions::Line;
+use crate::additions::{Cavity, Line};
 use crate::plant::{FILL, Plant, VENT};
 
 /// Indices of the added states.
@@ -17,6 +17,8 @@ pub(super) struct Layout {
     pub(super) temperature: Option<usize>,
     /// Wall temperature (K).
     pub(super) wall: Option<usize>,
+    /// Gas temperature in the second chamber (K).
+    pub(super) second_temperature: Option<usize>,
     /// Pressure in the cavity (Pa abs).
     pub(super) cavity: Option<usize>,
     /// Voltage loss of the battery (V).
@@ -44,6 +46,11 @@ impl Layout {
         let drain = place(additions.drain_line.is_some());
         let temperature = place(additions.wall_heat.is_some());
         let wall = place(additions.wall_heat.is_some_and(|heat| heat.wall.is_some()));
+        let has_second = additions
+            .cavity
+            .as_ref()
+            .is_some_and(Cavity::is_second_chamber);
+        let second_temperature = place(additions.wall_heat.is_some() && has_second);
         let cavity = place(additions.cavity.is_some());
         let polarisation = place(additions.polarisation.is_some());
         let plunger = place(
@@ -63,6 +70,7 @@ impl Layout {
             drain,
             temperature,
             wall,
+            second_temperature,
             cavity,
             polarisation,
             plunger,
@@ -99,6 +107,7 @@ impl Layout {
         set(self.drain, plant.drain_pressure, pressure_tolerance);
         set(self.temperature, surroundings, kelvin);
         set(self.wall, surroundings, kelvin);
+        set(self.second_temperature, surroundings, kelvin);
         set(self.cavity, plant.ambient_pressure, pressure_tolerance);
         // Its volume is a part of the chamber's.
         set(

@@ -15,7 +15,7 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 /// State that an effect adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
-    /// `t_gas`, `t_wall`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`,
+    /// `t_gas`, `t_wall`, `t_second`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`,
     /// `plunger_share`, or `own` for a user-defined state.
     pub name: &'static str,
     /// Value: K, Pa abs, V or a pure number, or the unit of a user-defined state.
@@ -107,6 +107,7 @@ impl Extended {
             drain,
             temperature,
             wall,
+            second_temperature,
             cavity,
             polarisation,
             plunger,
@@ -118,6 +119,7 @@ impl Extended {
             ("p_drain", drain),
             ("t_gas", temperature),
             ("t_wall", wall),
+            ("t_second", second_temperature),
             ("p_cavity", cavity),
             ("u_polarisation", polarisation),
             ("plunger_share", plunger),
@@ -155,7 +157,7 @@ impl Extended {
 
     /// Returns the index of the cavity's pressure, if the sensor measures it.
     fn sensed_cavity(&self) -> Option<usize> {
-        let cavity = self.plant.additions.cavity?;
+        let cavity = self.plant.additions.cavity.as_ref()?;
         self.layout.cavity.filter(|_| cavity.holds_the_sensor)
     }
 
@@ -177,6 +179,9 @@ impl Extended {
             return false;
         };
         self.extra[temperature] = kelvin;
+        if let Some(second) = self.layout.second_temperature {
+            self.extra[second] = kelvin;
+        }
         true
     }
 
