@@ -20,6 +20,8 @@ struct Ordinary {
     determined_by: &'static str,
     /// Standard deviation between two correct programs of one plant.
     between_programs: Spread,
+    /// Step of its differences, over the usual one.
+    step: f64,
     /// Standard deviation between two correct programs where no current is logged; none where that makes no difference.
     without_current: Option<Spread>,
 }
@@ -87,6 +89,10 @@ impl Shows {
     }
 }
 
+/// Step over the jumps of an error: of two pulses, one just opens an on/off valve, and a slightly shorter one passes nothing. A fine
+/// difference sees no jump, and the fit ends beside the best one.
+const OVER_JUMPS: f64 = 4.0;
+
 const fn relative(
     name: &'static str,
     usual: f64,
@@ -101,6 +107,7 @@ const fn relative(
         shown_by,
         determined_by,
         between_programs: Spread::Relative(0.01),
+        step: 1.0,
         without_current: None,
     }
 }
@@ -258,6 +265,7 @@ static ORDINARY: [Ordinary; 31] = [
     },
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
+        step: OVER_JUMPS,
         ..relative(
             "on_off_fill.opening_delay_s",
             0.25,
@@ -267,6 +275,7 @@ static ORDINARY: [Ordinary; 31] = [
     },
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
+        step: OVER_JUMPS,
         ..relative(
             "on_off_fill.closing_delay_s",
             0.25,
@@ -310,6 +319,7 @@ static ORDINARY: [Ordinary; 31] = [
     },
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
+        step: OVER_JUMPS,
         ..relative(
             "on_off_vent.opening_delay_s",
             0.25,
@@ -319,6 +329,7 @@ static ORDINARY: [Ordinary; 31] = [
     },
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
+        step: OVER_JUMPS,
         ..relative(
             "on_off_vent.closing_delay_s",
             0.25,
@@ -420,6 +431,8 @@ pub(crate) struct Nuisance {
     pub(crate) determined_by: &'static str,
     /// Standard deviation of the value between two correct programs of one plant, in the unit of the parameter.
     pub(crate) between_programs: f64,
+    /// Step of its differences, over the usual one.
+    pub(crate) step: f64,
     /// Half width of the usual tolerance of the part, in the unit of the parameter; none if it has none.
     pub(crate) usual: Option<f64>,
     /// Value of the plant file.
@@ -483,6 +496,7 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
                     let without = one.without_current.filter(|_| !shows.current);
                     without.unwrap_or(one.between_programs).around(there)
                 }),
+                step: ordinary.map_or(1.0, |one| one.step),
                 usual: ordinary
                     .and_then(|one| one.usual)
                     .map(|usual| usual.around(there)),

@@ -74,6 +74,7 @@ pub(crate) fn forward_selection(
     let plain = &found.steps[0];
     let single = best_credible(bench, plain, &found.singles);
     let single = single.filter(|single| single.is_evident_over(plain));
+    let single = single.map(|single| to_its_end(bench, single));
     let firsts = match &single {
         Some(single) if single.leaves_nothing() => Vec::new(),
         Some(single) if !single.is_material() => vec![single.clone()],
@@ -121,6 +122,17 @@ pub(crate) fn forward_selection(
         }
     }
     Ok(found)
+}
+
+/// The `single` effect with its fit followed to the end: a further effect must not explain what a search left.
+fn to_its_end(bench: &Bench, single: Trial) -> Trial {
+    if single.leaves_nothing() {
+        return single;
+    }
+    let continued = single.clone().continued(bench);
+    continued
+        .filter(|continued| continued.total_square() < single.total_square())
+        .unwrap_or(single)
 }
 
 /// The effect that explains nearly all by itself, though its size stays open.
@@ -343,7 +355,7 @@ fn best_pair(
     Ok(best.map(Beside::Both))
 }
 
-/// The best second effect beside `first`, if both are needed; or the second one, if it suffices alone.
+/// The best second effect beside `first`, if both are needed; or one of them, if it suffices alone.
 fn pair_on(
     bench: &Bench,
     plain: &Trial,
@@ -368,22 +380,25 @@ fn pair_on(
         return Ok(None);
     }
     let named = first.effects.last().expect("one was added").id();
-    let alone = bench.without(&last, named).filter(|alone| {
-        alone.total_square() < CLEARLY_LESS * other.total_square() && !last.is_further_than(alone)
-    });
-    Ok(Some(match alone {
-        Some(alone) => Beside::Alone(Box::new(Tried {
-            setting: alone.effects.last().expect("the second effect").clone(),
-            trial: Some(alone),
-            is_finished: true,
-        })),
-        None => Beside::Both(Box::new(Pair {
-            first,
-            other,
-            last,
-            tried,
-        })),
-    }))
+    for (left_out, before) in [(named, &other), (second, &first)] {
+        let alone = bench.without(&last, left_out).filter(|alone| {
+            let is_clearly_less = alone.total_square() < CLEARLY_LESS * before.total_square();
+            is_clearly_less && !last.is_further_than(alone)
+        });
+        if let Some(alone) = alone {
+            return Ok(Some(Beside::Alone(Box::new(Tried {
+                setting: alone.effects.last().expect("one effect is left").clone(),
+                trial: Some(alone),
+                is_finished: true,
+            }))));
+        }
+    }
+    Ok(Some(Beside::Both(Box::new(Pair {
+        first,
+        other,
+        last,
+        tried,
+    }))))
 }
 
 /// Takes `pair` for the `best` one where it leaves less; the same two effects in other forms, where they leave clearly less.

@@ -345,16 +345,21 @@ impl Trial {
     /// Continues the fit with a new Jacobian, which is then recomputed at the fit: intervals need it.
     pub(crate) fn polish(&mut self, bench: &Bench) -> Option<()> {
         for _ in 0..POLISHES {
-            self.refresh(bench)?;
-            let fitter = Fitter::new(bench.fitting, &self.unknowns);
-            let fit = fitter.descend(self.fit.clone(), Descent::Whole)?;
-            *self = bench.judge(self.effects.clone(), self.unknowns.clone(), fit)?;
+            *self = self.clone().continued(bench)?;
             self.sharpen(bench)?;
             if self.is_converged(bench) {
                 break;
             }
         }
         Some(())
+    }
+
+    /// Returns the trial after a further descent with a new Jacobian.
+    pub(crate) fn continued(mut self, bench: &Bench) -> Option<Self> {
+        self.refresh(bench)?;
+        let fitter = Fitter::new(bench.fitting, &self.unknowns);
+        let fit = fitter.descend(self.fit, Descent::Whole)?;
+        bench.judge(self.effects, self.unknowns, fit)
     }
 
     /// Returns whether its fit, with an accurate Jacobian, has converged, or leaves nothing material.

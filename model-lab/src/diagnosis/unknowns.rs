@@ -365,14 +365,14 @@ impl Unknown {
     /// Returns the step of a two-sided difference, which is insensitive to curvature, but sensitive to the solver's error.
     pub(crate) fn wide_step(&self) -> f64 {
         match self {
-            Self::Nuisance(_) => 5.0 * NUISANCE_STEP,
+            Self::Nuisance(nuisance) => (5.0 * NUISANCE_STEP).max(nuisance.step * NUISANCE_STEP),
             Self::Log(_) | Self::Effect(_) => EFFECT_STEP,
         }
     }
 
     pub(crate) fn step(&self) -> f64 {
         match self {
-            Self::Nuisance(_) => NUISANCE_STEP,
+            Self::Nuisance(nuisance) => nuisance.step * NUISANCE_STEP,
             Self::Log(_) | Self::Effect(_) => EFFECT_STEP,
         }
     }

@@ -125,13 +125,15 @@ pub(super) fn resting_pressure(
     let hooks = &additions.hooks;
     let follows_areas =
         |leak: usize| additions.leaks[leak].is_none_or(|leak| leak.orifice_area().is_some());
+    // A chamber without any flow keeps its pressure, whatever its volume.
+    let is_open = areas != [0.0; 2] || additions.leaks != [None; 2];
     let touched = additions.supply_line.is_some_and(|line| line.has_pressure() || areas[FILL] > 0.0)
         || additions.drain_line.is_some()
         // These do not concern the gas, but the formula allows no state with a law of its own.
         || additions.polarisation.is_some()
         || additions.wall_heat.is_some()
         || additions.cavity.is_some()
-        || additions.growth.is_some()
+        || (additions.growth.is_some() && is_open)
         || additions.plunger.is_some()
         || !(follows_areas(0) && follows_areas(1))
         // The leak goes to ambient, independent of the drain.
