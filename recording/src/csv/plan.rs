@@ -177,8 +177,8 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
             }));
         }
         let heading = match head.units.as_ref() {
-            Some(_) => parse_heading_over_unit(text, unit),
-            None => parse_heading(text),
+            Some(_) => parse_heading_over_unit(text, unit, mapping.reference),
+            None => parse_heading(text, mapping.reference),
         };
         let heading = heading.map_err(at_field)?;
         let column = FieldPlan::plain(field, heading.name, heading.unit);
