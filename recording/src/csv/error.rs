@@ -101,7 +101,7 @@ impl fmt::Display for Excerpt {
 }
 
 impl CsvError {
-    pub(super) fn new(source_name: &str, place: Place, problem: Problem) -> Self {
+    pub(crate) fn new(source_name: &str, place: Place, problem: Problem) -> Self {
         Self(Box::new(Details {
             source_name: source_name.to_owned(),
             place,

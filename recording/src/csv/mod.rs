@@ -17,6 +17,7 @@ mod problem;
 mod reader;
 mod record;
 mod row;
+pub(crate) mod survey;
 pub(crate) mod writer;
 
 pub use dialect::{Delimiter, Dialect};

@@ -65,7 +65,7 @@ impl Opening {
 
 /// Reads enough of the file to decide on its dialect: one head, and more only if the head contains fewer than two
 /// lines.
-fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool)> {
+pub(super) fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool)> {
     let mut head = Vec::new();
     let mut wanted = HEAD_BYTES;
     loop {

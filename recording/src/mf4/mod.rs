@@ -18,6 +18,7 @@ mod problem;
 mod reader;
 mod samples;
 mod structure;
+pub(crate) mod survey;
 mod text;
 mod writer;
 

@@ -1,0 +1,236 @@
+//! Inspection of logs of unknown layout: the proposed mapping reads the log, and what is open is asked.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use recording::csv::Mapping;
+use recording::{Inspection, LogOptions, PressureReference, inspect_file, read_log_file};
+
+/// Writes a file and inspects it.
+fn inspected_with(
+    text: &[u8],
+    reference: Option<PressureReference>,
+) -> (Inspection, PathBuf, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.csv");
+    fs::write(&path, text).unwrap();
+    let options = LogOptions {
+        mapping: Mapping::default().with_reference(reference),
+        ..LogOptions::default()
+    };
+    let inspection = inspect_file(&path, &options, None).unwrap();
+    (inspection, path, folder)
+}
+
+fn inspected(text: &str) -> Inspection {
+    inspected_with(text.as_bytes(), None).0
+}
+
+/// Rows of a German logger: a fill valve, a vent valve and the chamber pressure, which follows them.
+fn german(header: &str) -> String {
+    let mut pressure: f64 = 0.01;
+    (0..400).fold(header.to_owned(), |text, row| {
+        let (fill, vent) = match row % 100 {
+            10..40 => (60, 0),
+            60..90 => (0, 80),
+            _ => (0, 0),
+        };
+        pressure = (pressure + 1e-3 * f64::from(fill) - 7.5e-4 * f64::from(vent)).max(0.01);
+        let line = format!("{};{pressure:.4};{fill};{vent};ok\n", row * 10);
+        text + &line.replace('.', ",")
+    })
+}
+
+fn signal_of<'a>(inspection: &'a Inspection, key: &str) -> Option<&'a str> {
+    let column = inspection.columns.iter().find(|column| column.key == key);
+    column
+        .unwrap_or_else(|| panic!("{key}: {inspection:#?}"))
+        .signal
+        .as_deref()
+}
+
+#[test]
+fn a_german_log_with_a_preamble_is_read_with_the_proposed_mapping() {
+    let text = german(
+        "Messung;Retarder 7\nDatum;23.11.2026\n\nZeit;Kammerdruck;Tastverhältnis Füllventil;Entlüftungsventil;Bemerkung\nms;barü;%;%;\n",
+    );
+    let (inspection, path, _folder) = inspected_with(text.as_bytes(), None);
+    assert!(inspection.is_ready(), "{inspection:#?}");
+    assert_eq!(inspection.found, ["duty_fill", "duty_vent", "p_ch"]);
+    assert_eq!(inspection.duration_s, Some(3.99));
+    assert_eq!(signal_of(&inspection, "Bemerkung"), None);
+    let mapping = Mapping::parse("proposed", inspection.mapping.as_ref().unwrap()).unwrap();
+    let options = LogOptions {
+        mapping,
+        ..LogOptions::default()
+    };
+    let recording = read_log_file(path, &options).unwrap();
+    let names: Vec<&str> = recording
+        .signals()
+        .iter()
+        .map(|signal| signal.name())
+        .collect();
+    assert_eq!(names, ["p_ch", "duty_fill", "duty_vent"]);
+    assert_eq!(recording.time_base_of("p_ch").unwrap().end_s(), 3.99);
+}
+
+#[test]
+fn a_file_with_standard_names_needs_no_mapping() {
+    for name in ["practice-01-id.csv", "practice-00-scope-40.csv"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../data/synthetic")
+            .join(name);
+        let inspection = inspect_file(path, &LogOptions::default(), None).unwrap();
+        assert_eq!(inspection.mapping, None, "{name}");
+        assert!(
+            inspection.trial.is_ok() && inspection.open.is_empty(),
+            "{name}: {inspection:#?}"
+        );
+    }
+}
+
+#[test]
+fn bar_without_reference_is_asked_and_answered_by_the_reference() {
+    let text = german("Zeit [ms];Druck [bar];Füllventil [%];Entlüftung [%];Bemerkung\n");
+    let open = inspected(&text);
+    assert!(!open.is_ready());
+    assert_eq!(open.suggested, Some(PressureReference::Gauge));
+    assert_eq!(open.open.len(), 1);
+    assert!(
+        open.open[0].question.contains("neither gauge nor absolute"),
+        "{open:#?}"
+    );
+    assert_eq!(open.open[0].answer, "--pressure gauge");
+    let (answered, ..) = inspected_with(text.as_bytes(), Some(PressureReference::Gauge));
+    assert!(answered.is_ready(), "{answered:#?}");
+    assert!(answered.mapping.unwrap().contains("unit = \"bar_gauge\""));
+    // A reference that the file states is kept.
+    let stated = text.replace("[bar]", "[bar abs]").replace("0,01", "1,01");
+    let (kept, ..) = inspected_with(stated.as_bytes(), Some(PressureReference::Gauge));
+    assert!(kept.mapping.unwrap().contains("unit = \"bar_abs\""));
+}
+
+#[test]
+fn numbered_valves_are_named_by_the_direction_of_the_pressure() {
+    let text = german("t/ms;p/bar_gauge;PWM1;PWM2;Bemerkung\n");
+    let inspection = inspected(&text);
+    assert_eq!(
+        signal_of(&inspection, "PWM1"),
+        Some("duty_fill"),
+        "{inspection:#?}"
+    );
+    assert_eq!(signal_of(&inspection, "PWM2"), Some("duty_vent"));
+    // The same numbers in the other order.
+    let inspection = inspected(&german("t/ms;p/bar_gauge;PWM2;PWM1;Bemerkung\n"));
+    assert_eq!(signal_of(&inspection, "PWM2"), Some("duty_fill"));
+    assert!(inspection.is_ready(), "{inspection:#?}");
+}
+
+#[test]
+fn what_is_missing_is_named_and_a_bad_row_is_reported_with_its_line() {
+    let inspection = inspected("time_s,Kammerdruck (barg)\n0,0.1\n0.01,NaN\n0.02,0.2\n");
+    assert_eq!(inspection.missing, ["duty_fill", "duty_vent"]);
+    assert!(
+        inspection
+            .mapping
+            .as_ref()
+            .unwrap()
+            .contains("# [constant.duty_vent]")
+    );
+    assert!(inspection.trial.is_ok(), "{inspection:#?}");
+    let inspection = inspected("time_s,Kammerdruck (barg)\n0,0.1\n0.01\n0.02,x\n0.03,0.2\n");
+    assert_eq!(
+        inspection.trial.as_ref().unwrap_err().code(),
+        "E-CSV-RAGGED"
+    );
+    assert!(
+        inspection.remarks.iter().any(|one| one.contains("line 3")),
+        "{inspection:#?}"
+    );
+    assert!(
+        inspection.remarks.iter().any(|one| one.contains("line 4")),
+        "{inspection:#?}"
+    );
+}
+
+#[test]
+fn a_given_mapping_is_kept_and_completed() {
+    let text = german("Zeit [ms];U_Sensor [V];Füllventil [%];Entlüftung [%];Bemerkung\n");
+    let given = "schema = 1\n# the sensor of the bench\n[signal.p_ch]\ncolumn = \"U_Sensor [V]\"\nunit = \"bar_gauge\"\nscale = 0.5\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.csv");
+    fs::write(&path, text).unwrap();
+    let options = LogOptions {
+        mapping: Mapping::parse("given", given).unwrap(),
+        ..LogOptions::default()
+    };
+    let inspection = inspect_file(&path, &options, Some(given)).unwrap();
+    assert!(inspection.is_ready(), "{inspection:#?}");
+    let mapping = inspection.mapping.unwrap();
+    assert!(
+        mapping.contains("# the sensor of the bench") && mapping.contains("[signal.duty_vent]"),
+        "{mapping}"
+    );
+}
+
+#[test]
+fn channels_of_mf4_are_guessed_like_columns() {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/mf4/rates-transposed.mf4");
+    let options = |reference| LogOptions {
+        mapping: Mapping::default().with_reference(reference),
+        ..LogOptions::default()
+    };
+    let open = inspect_file(&path, &options(None), None).unwrap();
+    assert_eq!(signal_of(&open, "p_sup"), Some("p_sup"));
+    assert!(
+        open.open.iter().any(|one| one.question.contains("p_sup")),
+        "{open:#?}"
+    );
+    let answered = inspect_file(&path, &options(Some(PressureReference::Gauge)), None).unwrap();
+    assert!(
+        answered.open.is_empty() && answered.needs_reference,
+        "{answered:#?}"
+    );
+    assert!(
+        answered
+            .trial
+            .unwrap()
+            .signals
+            .contains(&"p_sup".to_owned())
+    );
+}
+
+/// Every file of the corpus, damaged ones included, ends with an inspection or an error.
+#[test]
+fn every_file_of_the_corpus_is_inspected_or_refused() {
+    let mut count = 0;
+    for folder in [
+        "corpus/good",
+        "corpus/wrong",
+        "corpus/out-of-bounds",
+        "fixtures/mf4",
+    ] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("tests")
+            .join(folder);
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let inspection = inspect_file(&path, &LogOptions::default(), None);
+            if let Ok(mapping) = inspection.map(|inspection| inspection.mapping) {
+                let gauge = Some(PressureReference::Gauge);
+                if let Some(text) = mapping {
+                    let parsed = Mapping::parse_with_reference("proposed", &text, gauge);
+                    assert!(
+                        parsed.is_ok(),
+                        "{}: {:?}\n{text}",
+                        path.display(),
+                        parsed.err()
+                    );
+                }
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 80, "{count}");
+}
