@@ -214,8 +214,10 @@ impl Draft {
             ));
         }
         let mut layout = format!("CSV, {}", survey.dialect);
-        if let Some(line) = survey.header_line.filter(|_| survey.skip_lines > 0) {
-            layout += &format!(", header in line {line}");
+        match survey.skip_lines {
+            0 => {}
+            1 => layout += ", after 1 line of preamble",
+            lines => layout += &format!(", after {lines} lines of preamble"),
         }
         let assumed = match survey.is_decimal_assumed {
             true => vec![format!(

@@ -98,6 +98,22 @@ impl Draft {
                 text += &lines_of(column);
             }
         }
+        let has_number =
+            |column: &&Column| matches!(column.role, Use::Ignored) && column.values.count > 0;
+        let unused = self.columns.iter().find(has_number);
+        for signal in missing {
+            let Some(unused) = unused else { break };
+            let unit = if *signal == "p_ch" {
+                "bar_gauge"
+            } else {
+                "pct"
+            };
+            let _ = write!(
+                text,
+                "\n# {signal} is missing. If a column is it, take the column out of `ignore` and name it:\n# [signal.{signal}]\n# column = {}\n# unit = \"{unit}\"\n",
+                unused.toml_key
+            );
+        }
         for signal in missing.iter().filter(|signal| signal.starts_with("duty")) {
             let _ = write!(
                 text,
