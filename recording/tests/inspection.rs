@@ -234,3 +234,48 @@ fn every_file_of_the_corpus_is_inspected_or_refused() {
     }
     assert!(count > 80, "{count}");
 }
+
+/// Older loggers and spreadsheets do not write UTF-8.
+#[test]
+fn other_encodings_are_named_and_read() {
+    let text =
+        german("Zeit [ms];Überdruck Kammer [barg];Füllventil [%];Entlüftung [%];Bemerkung\n");
+    let windows: Vec<u8> = text.chars().map(|character| character as u8).collect();
+    let utf16: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for (bytes, name) in [
+        (windows, "Windows-1252"),
+        ([&[0xff, 0xfe][..], &utf16].concat(), "UTF-16"),
+    ] {
+        let (inspection, path, _folder) = inspected_with(&bytes, None);
+        assert!(inspection.is_ready(), "{inspection:#?}");
+        assert!(inspection.layout.ends_with(name), "{}", inspection.layout);
+        let mapping = Mapping::parse("proposed", inspection.mapping.as_ref().unwrap()).unwrap();
+        let options = LogOptions {
+            mapping,
+            ..LogOptions::default()
+        };
+        let recording = read_log_file(path, &options).unwrap();
+        let provenance = recording.provenance();
+        assert_eq!(provenance.input.unwrap().size_bytes, bytes.len() as u64);
+        assert!(
+            provenance
+                .notes
+                .iter()
+                .any(|note| note.value.contains(name)),
+            "{provenance:?}"
+        );
+        assert_eq!(recording.signal("p_ch").unwrap().len(), 400);
+    }
+}
+
+#[test]
+fn a_damaged_character_is_refused() {
+    let mut bytes: Vec<u8> = "time_s,p_ch_bar_gauge\n0,1.5\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    bytes.push(b'1');
+    let options = recording::csv::Options::default();
+    let error = recording::csv::read("cut.csv", &bytes[..], &options).unwrap_err();
+    assert_eq!(error.code(), "E-CSV-ENCODING", "{error}");
+}

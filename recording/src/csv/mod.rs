@@ -5,6 +5,7 @@
 
 pub(crate) mod complement;
 mod dialect;
+mod encoding;
 mod error;
 pub(crate) mod header;
 mod limits;
@@ -21,6 +22,7 @@ pub(crate) mod survey;
 pub(crate) mod writer;
 
 pub use dialect::{Delimiter, Dialect};
+pub use encoding::Encoding;
 pub use error::{CsvError, Excerpt, Place};
 pub use limits::Limits;
 pub use mapping::Mapping;

@@ -2,6 +2,7 @@ use std::fs::File;
 use std::io::{Chain, Cursor, Read};
 use std::path::Path;
 
+use super::encoding::Encoding;
 use super::error::{CsvError, Located, Place};
 use super::opening::Opening;
 use super::plan::Plan;
@@ -9,6 +10,7 @@ use super::problem::Problem;
 use super::record::Records;
 use super::row::RowParser;
 use super::{Dialect, Limits, Mapping};
+use crate::provenance::READER_NOTE;
 use crate::{Note, OutOfBounds, Provenance, Recording, TimeBase, Unit};
 
 /// Options for reading a file.
@@ -82,7 +84,7 @@ impl<R: Read> Reader<R> {
             header_records,
         } = Opening::read(&mut input, options).map_err(fail)?;
         let input = Cursor::new(head).chain(input);
-        let mut records = Records::new(input, dialect.delimiter, options.limits);
+        let mut records = Records::new(input, dialect.encoding, dialect.delimiter, options.limits);
         records
             .skip(options.mapping.skip_lines, header_records)
             .map_err(fail)?;
@@ -158,11 +160,18 @@ impl<R: Read> Reader<R> {
 
     /// Returns source, notes, and the size and hash of the data read so far: of the whole file once it has ended.
     pub fn provenance(&mut self) -> Provenance {
-        let (producer, notes): (Vec<Note>, _) = self
+        let (producer, notes): (Vec<Note>, Vec<Note>) = self
             .records
             .take_notes()
             .into_iter()
             .partition(|note| note.key == "producer");
+        let mut notes = notes;
+        if self.dialect.encoding != Encoding::Utf8 {
+            notes.push(Note {
+                key: READER_NOTE.to_owned(),
+                value: format!("the text is {}; it was decoded", self.dialect.encoding),
+            });
+        }
         Provenance {
             source: self.source_name.clone(),
             producer: producer.into_iter().next().map(|note| note.value),

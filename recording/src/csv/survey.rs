@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read};
 
 use super::dialect::{check_encoding, find_delimiter};
+use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
 use super::header::is_units_row;
 use super::number::{self, Evidence, Style, evidence, is_number_like};
@@ -67,11 +68,13 @@ pub(crate) fn survey(
 ) -> Result<Survey, Located> {
     let (head, _) =
         read_head(&mut input, limits).map_err(|error| (Place::default(), Problem::Io(error)))?;
-    check_encoding(&head)?;
-    let layout = Layout::of(&head, mapping, limits)?;
-    let mut survey = layout.survey(&head, mapping);
+    let (encoding, text) = check_encoding(&head)?;
+    let layout = Layout::of(&text, mapping, limits)?;
+    let mut survey = layout.survey(&text, mapping);
+    survey.dialect.encoding = encoding;
+    drop(text);
     let records = Cursor::new(head).chain(input);
-    let mut records = Records::new(records, survey.dialect.delimiter, limits);
+    let mut records = Records::new(records, encoding, survey.dialect.delimiter, limits);
     let header_records = usize::from(survey.dialect.header) + usize::from(survey.dialect.units_row);
     records.skip(survey.skip_lines, header_records)?;
     let width = survey.columns.len();
@@ -156,7 +159,7 @@ impl Layout {
         let possible = delimiters.filter(|one| mapping.delimiter.is_none_or(|given| given == *one));
         let mut best: Option<(usize, Self)> = None;
         for delimiter in possible {
-            let mut records = Records::new(head, delimiter, limits);
+            let mut records = Records::new(head, Encoding::Utf8, delimiter, limits);
             records.skip(mapping.skip_lines, 0)?;
             let mut found = Vec::new();
             while found.len() < LAYOUT_RECORDS
@@ -274,6 +277,7 @@ impl Layout {
                 decimal,
                 header: header.is_some(),
                 units_row: units.is_some(),
+                encoding: Encoding::Utf8,
                 byte_order_mark: head.starts_with(BYTE_ORDER_MARK),
             },
             skip_lines,
