@@ -279,3 +279,61 @@ fn a_damaged_character_is_refused() {
     let error = recording::csv::read("cut.csv", &bytes[..], &options).unwrap_err();
     assert_eq!(error.code(), "E-CSV-ENCODING", "{error}");
 }
+
+#[test]
+fn dates_and_times_of_day_are_read_from_the_first_row_on() {
+    let row =
+        |row: u32, time: &str| format!("{time};{};60;0\n", f64::from(row) * 0.1).replace('.', ",");
+    for (header, times, start) in [
+        (
+            "Zeit",
+            [
+                "23.11.2026 14:05:06,125",
+                "23.11.2026 14:05:06,375",
+                "23.11.2026 14:05:06,625",
+            ],
+            Some("2026-11-23 14:05:06 local time"),
+        ),
+        (
+            "Zeitstempel",
+            [
+                "2026-11-23T14:05:06,0Z",
+                "2026-11-23T14:05:06,25Z",
+                "2026-11-23T14:05:06,5Z",
+            ],
+            Some("2026-11-23 14:05:06 UTC"),
+        ),
+        ("Uhr", ["23:59:59,75", "00:00:00", "00:00:00,25"], None),
+    ] {
+        let rows: String = (0..)
+            .zip(times)
+            .map(|(index, time)| {
+                let line = row(index, "TIME");
+                line.replace("TIME", time)
+            })
+            .collect();
+        let text = format!("{header};Kammerdruck (barg);Füllventil (%);Entlüftung (%)\n{rows}");
+        let (inspection, path, _folder) = inspected_with(text.as_bytes(), None);
+        assert!(inspection.is_ready(), "{inspection:#?}");
+        let mapping = inspection.mapping.as_ref().unwrap();
+        assert!(mapping.contains("unit = \"clock\""), "{mapping}");
+        let options = LogOptions {
+            mapping: Mapping::parse("proposed", mapping).unwrap(),
+            ..LogOptions::default()
+        };
+        let recording = read_log_file(&path, &options).unwrap();
+        assert_eq!(
+            recording.time_base_of("p_ch").unwrap().times_s(),
+            [0.0, 0.25, 0.5]
+        );
+        let found = recording.provenance().start.map(|start| start.to_string());
+        assert_eq!(found.as_deref(), start);
+        let broken = text.replace(times[1], "yesterday");
+        let error = recording::csv::read("b.csv", broken.as_bytes(), &options.csv()).unwrap_err();
+        assert_eq!(
+            (error.code(), error.place().line),
+            ("E-CSV-CLOCK", Some(3)),
+            "{error}"
+        );
+    }
+}

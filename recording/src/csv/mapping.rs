@@ -17,6 +17,9 @@ use super::{Decimal, Delimiter};
 use crate::name::{check_name, is_time_column};
 use crate::{PressureReference, Quantity, Unit};
 
+/// Word in place of the unit of a time column with dates or times of day.
+pub(crate) const CLOCK: &str = "clock";
+
 /// Columns, units and dialect of files that do not define them. Read from TOML:
 ///
 /// ```
@@ -33,7 +36,7 @@ use crate::{PressureReference, Quantity, Unit};
 ///
 ///     [time]
 ///     column = "Zeit"
-///     unit = "us"
+///     unit = "us"                       # or "clock": dates or times of day, such as 23.11.2026 14:05:06,125
 ///     thousands_separator = "."
 ///
 ///     [signal.p_ch]
@@ -109,6 +112,8 @@ pub(crate) struct MappedColumn {
     pub(crate) offset: f64,
     pub(crate) thousands: Option<char>,
     pub(crate) check_scale: bool,
+    /// Whether the column has dates or times of day; its unit is then the second.
+    pub(crate) is_clock: bool,
 }
 
 #[derive(Deserialize)]
@@ -258,7 +263,7 @@ fn resolve(mut raw: MappingToml, reference: Reference) -> Result<Mapping, AtSpan
     )?;
     let time = raw
         .time
-        .map(|column| resolve_column(column, decimal, reference))
+        .map(|column| resolve_time(column, decimal))
         .transpose()?;
     if let Some((_, unit_span)) = time
         .as_ref()
@@ -291,6 +296,25 @@ fn resolve(mut raw: MappingToml, reference: Reference) -> Result<Mapping, AtSpan
         instants_of: raw.rows.instants_of.take(),
         rows: resolve_window(raw.rows)?,
     })
+}
+
+/// Resolves the time column, which may have a clock in place of a unit.
+fn resolve_time(
+    mut raw: ColumnToml,
+    decimal: Option<Decimal>,
+) -> Result<(MappedColumn, Range<usize>), AtSpan> {
+    if raw.unit.get_ref() != CLOCK {
+        return resolve_column(raw, decimal, None);
+    }
+    raw.unit = Spanned::new(raw.unit.span(), Unit::Second.token().to_owned());
+    let (column, span) = resolve_column(raw, decimal, None)?;
+    let column = MappedColumn {
+        is_clock: true,
+        // A clock has no unit that could be wrong.
+        check_scale: false,
+        ..column
+    };
+    Ok((column, span))
 }
 
 fn resolve_column(
@@ -333,6 +357,7 @@ fn resolve_column(
         offset: number(raw.offset, 0.0, true)?,
         thousands,
         check_scale: raw.check_scale,
+        is_clock: false,
     };
     Ok((column, unit_span))
 }

@@ -3,6 +3,7 @@
 //! [`read_file`] creates a [`Recording`](crate::Recording); [`Reader`] returns one row after the other in bounded
 //! memory; [`Writer`] writes rows. A [`Mapping`] describes files that do not describe themselves.
 
+mod clock;
 pub(crate) mod complement;
 mod dialect;
 mod encoding;

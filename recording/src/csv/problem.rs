@@ -158,6 +158,11 @@ pub enum Problem {
         /// Decimal separator of this file.
         decimal: char,
     },
+    /// A time column of clock times has another text.
+    NotAClock {
+        /// Text of the field.
+        found: Excerpt,
+    },
     /// A number is NaN, infinite, or too large for a 64-bit float.
     NotFinite {
         /// Text of the field.
@@ -245,6 +250,7 @@ impl Problem {
             Self::Ragged { .. } => "E-CSV-RAGGED",
             Self::Truncated { .. } => "E-CSV-TRUNCATED",
             Self::NotANumber { .. } => "E-CSV-NUMBER",
+            Self::NotAClock { .. } => "E-CSV-CLOCK",
             Self::NotFinite { .. } => "E-CSV-NOT-FINITE",
             Self::Thousands { .. } => "E-CSV-THOUSANDS",
             Self::DecimalAmbiguous { .. } => "E-CSV-DECIMAL-AMBIGUOUS",
@@ -328,6 +334,9 @@ impl Problem {
             }
             Self::NotANumber { .. } => {
                 "correct the field, leave it empty if the sample is missing, or list the word under `missing` in a mapping"
+            }
+            Self::NotAClock { .. } => {
+                "correct the field; a date has the form 23.11.2026 or 2026-11-23, and every row has the form of the first"
             }
             Self::NotFinite { .. } => {
                 "leave the field empty, or list the word under `missing` in a mapping"
@@ -468,6 +477,10 @@ impl fmt::Display for Problem {
                     "found {found}, expected a number with the decimal separator {decimal:?}"
                 )
             }
+            Self::NotAClock { found } => write!(
+                f,
+                "found {found}, expected a date with a time or a time of day, such as 23.11.2026 14:05:06,125"
+            ),
             Self::NotFinite { found } => write!(f, "found {found}, expected a finite number"),
             Self::Thousands { found } => write!(
                 f,

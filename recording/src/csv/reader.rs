@@ -175,7 +175,7 @@ impl<R: Read> Reader<R> {
         Provenance {
             source: self.source_name.clone(),
             producer: producer.into_iter().next().map(|note| note.value),
-            start: None,
+            start: self.rows.start(),
             notes,
             input: Some(self.records.input_file()),
         }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read};
 
+use super::clock::Clock;
 use super::dialect::{check_encoding, find_delimiter};
 use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
@@ -53,6 +54,9 @@ pub(crate) struct SurveyedColumn {
     pub(crate) thousands: Option<char>,
     /// Spellings of missing samples.
     pub(crate) missing_words: BTreeSet<String>,
+    /// Whether the numbers are seconds, from dates or times of day.
+    pub(crate) is_clock: bool,
+    clock: Clock,
     /// Number of cells with another text, and the first of them.
     pub(crate) texts: u64,
     pub(crate) first_text: Option<(u64, Excerpt)>,
@@ -122,7 +126,17 @@ impl SurveyedColumn {
             self.missing_words.insert(cell.to_owned());
             f64::NAN
         } else {
-            number::parse(cell, style, scratch).unwrap_or_else(|_| {
+            let parsed = number::parse(cell, style, scratch).ok();
+            // A column of clock times begins with one.
+            let is_clock = self.is_clock || self.values.count == 0 && parsed.is_none();
+            let read = parsed.filter(|_| !self.is_clock);
+            let read = read.or_else(|| {
+                self.clock
+                    .read(cell)
+                    .filter(|_| is_clock)
+                    .inspect(|_| self.is_clock = true)
+            });
+            read.unwrap_or_else(|| {
                 self.texts += 1;
                 self.first_text
                     .get_or_insert_with(|| (line, Excerpt::of(cell)));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Draft;
 use crate::csv::header::parse_heading_over_unit;
-use crate::csv::mapping::{ColumnKey, MappedColumn};
+use crate::csv::mapping::{CLOCK, ColumnKey, MappedColumn};
 use crate::csv::{self, Excerpt};
 use crate::guess::{self, GuessedUnit, Question, Subject, TIME};
 use crate::name::is_time_column;
@@ -28,6 +28,8 @@ pub(super) struct Column {
     obstacle: Option<String>,
     pub(super) values: ColumnValues,
     pub(super) thousands: Option<char>,
+    /// Whether the column has dates or times of day, which a mapping must state.
+    pub(super) is_clock: bool,
     times: Arc<Vec<f64>>,
     samples: Arc<Vec<f64>>,
     /// Time from the first to the last sample (s), if the column has its own instants.
@@ -63,6 +65,7 @@ impl Column {
             obstacle: None,
             values,
             thousands: None,
+            is_clock: false,
             times: Arc::default(),
             samples: Arc::default(),
             span_s: None,
@@ -87,7 +90,7 @@ impl Column {
 
     /// Returns name and unit of the signal.
     pub(super) fn signal(&self) -> Option<(String, String)> {
-        let unit = self.unit.as_ref().map_or("", GuessedUnit::token).to_owned();
+        let unit = self.unit_token().to_owned();
         match &self.role {
             Use::Time => Some((TIME.to_owned(), unit)),
             Use::Signal(name) => Some((name.clone(), unit)),
@@ -102,7 +105,16 @@ impl Column {
             (Use::Signal(wanted), Some((name, _))) => name == wanted,
             _ => false,
         };
-        !self.is_given && (!by_itself || self.scale.is_some() || self.thousands.is_some())
+        !self.is_given
+            && (!by_itself || self.is_clock || self.scale.is_some() || self.thousands.is_some())
+    }
+
+    /// Returns the unit in the notation of a mapping.
+    pub(super) fn unit_token(&self) -> &str {
+        match self.is_clock {
+            true => CLOCK,
+            false => self.unit.as_ref().map_or("", GuessedUnit::token),
+        }
     }
 
     pub(super) fn is_current(&self) -> bool {
@@ -164,6 +176,7 @@ impl Draft {
                 column.header = String::new();
             }
             (column.thousands, column.times) = (found.thousands, Arc::clone(&times));
+            column.is_clock = found.is_clock;
             column.samples = Arc::new(found.kept);
             let is_key = |key: &ColumnKey| key.is(number, header);
             if let Some(time) = mapping.time.as_ref().filter(|time| is_key(&time.column)) {
@@ -185,9 +198,6 @@ impl Draft {
                 "a separator at the end of each line".clone_into(&mut column.reason);
             } else if found.texts > column.values.count {
                 column.obstacle = Some(match &found.first_text {
-                    Some((_, text)) if is_like_clock(text.as_str()) => {
-                        format!("a date or a clock, such as {text}: not read as a time")
-                    }
                     Some((_, text)) => format!("texts such as {text}"),
                     None => "texts".to_owned(),
                 });
@@ -314,7 +324,11 @@ impl Draft {
                 let column = &self.columns[index];
                 Subject {
                     header: &column.header,
-                    unit: &column.unit_in_file,
+                    unit: match column.is_clock {
+                        // Whatever the file states, a clock has been converted.
+                        true => Unit::Second.token(),
+                        false => &column.unit_in_file,
+                    },
                     values: &column.values,
                 }
             })
@@ -333,7 +347,11 @@ impl Draft {
             let column = &mut self.columns[index];
             (column.unit, column.scale) = (guess.unit, guess.scale);
             (column.reason, column.question) = (guess.reason, guess.question);
+            if column.is_clock {
+                "dates or times of day".clone_into(&mut column.reason);
+            }
             column.role = match (guess.signal, &column.own) {
+                (None, _) if column.is_clock => Use::Ignored,
                 (Some(TIME), _) => Use::Time,
                 (Some(signal), _) => Use::Signal(signal.to_owned()),
                 // The question keeps the column out of the mapping until it is answered.
@@ -383,12 +401,6 @@ impl Draft {
             }
         }
     }
-}
-
-fn is_like_clock(text: &str) -> bool {
-    let digits = text.chars().filter(char::is_ascii_digit).count();
-    let signs = text.matches([':', '-', '/', '.']).count();
-    digits >= 4 && signs >= 2 && digits + signs + 4 >= text.chars().count()
 }
 
 /// Samples of a column.

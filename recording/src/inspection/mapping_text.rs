@@ -6,7 +6,6 @@ use super::Draft;
 use super::columns::{Column, Use, toml_string};
 use crate::LogFormat;
 use crate::csv::Excerpt;
-use crate::guess::GuessedUnit;
 
 impl Draft {
     /// Returns the text of a mapping: the given one with lines for the other columns, or a new one. `None` if the file
@@ -125,7 +124,7 @@ impl Draft {
 }
 
 fn lines_of(column: &Column) -> String {
-    let unit = column.unit.as_ref().map_or("", GuessedUnit::token);
+    let unit = column.unit_token();
     let mut text = format!("column = {}\nunit = \"{unit}\"", column.toml_key);
     if !column.reason.is_empty() {
         let _ = write!(text, "  # {}", column.reason);
@@ -134,7 +133,7 @@ fn lines_of(column: &Column) -> String {
     if let Some(scale) = column.scale {
         let _ = writeln!(text, "scale = {scale:?}");
     }
-    if let Some(separator) = column.thousands {
+    if let Some(separator) = column.thousands.filter(|_| !column.is_clock) {
         let _ = writeln!(text, "thousands_separator = \"{separator}\"");
     }
     text
