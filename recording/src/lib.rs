@@ -24,7 +24,7 @@ mod united;
 mod values;
 
 pub use bounds::{Bounds, OutOfBounds, Outlier};
-pub use defects::{DefectCounter, Defects, MissingCells, Pause};
+pub use defects::{DefectCounter, Defects, MissingCells, Pause, SkippedRow};
 pub use file::{AtomicFile, FileIdentity, write_file_atomically};
 pub use inspection::{InspectedColumn, Inspection, OpenPoint, Trial, inspect_file};
 pub use log::{

@@ -235,6 +235,44 @@ fn every_file_of_the_corpus_is_inspected_or_refused() {
     assert!(count > 80, "{count}");
 }
 
+#[test]
+fn bad_rows_are_skipped_up_to_their_number_and_listed() {
+    let text = "time_s,p_ch_bar_gauge\n0,0.1\n0.01\n0.02,x\n0.03,0.2\n0.02,0.2\n0.04,0.3\n";
+    let read = |bad_rows| {
+        let mut options = recording::csv::Options::default();
+        options.limits.bad_rows = bad_rows;
+        recording::csv::read("b.csv", text.as_bytes(), &options)
+    };
+    for (count, code, line) in [
+        (0, "E-CSV-RAGGED", 3),
+        (1, "E-CSV-NUMBER", 4),
+        (2, "E-CSV-TIME-ORDER", 6),
+    ] {
+        let error = read(count).unwrap_err();
+        assert_eq!(
+            (error.code(), error.place().line),
+            (code, Some(line)),
+            "{error}"
+        );
+    }
+    let recording = read(3).unwrap();
+    assert_eq!(
+        recording.signal("p_ch").unwrap().values_or_nan(),
+        [0.1, 0.2, 0.3]
+    );
+    let sentences = recording.defects().sentences();
+    assert_eq!(sentences.len(), 3, "{sentences:?}");
+    assert_eq!(
+        sentences[1],
+        "line 4 is skipped: column 2: found \"x\", expected a number with the decimal separator '.'"
+    );
+    // A header that cannot be read is no row.
+    let mut options = recording::csv::Options::default();
+    options.limits.bad_rows = 9;
+    let error = recording::csv::read("b.csv", &b"time_s,p_ch\n0,1\n"[..], &options).unwrap_err();
+    assert_eq!(error.code(), "E-CSV-UNIT-MISSING");
+}
+
 /// Older loggers and spreadsheets do not write UTF-8.
 #[test]
 fn other_encodings_are_named_and_read() {

@@ -21,7 +21,7 @@ pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
 };
 pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
-pub(crate) use inspect::{ImportArgs, InspectArgs, reference_name};
+pub(crate) use inspect::{ImportArgs, InspectArgs, SKIPPED_MAX, reference_name};
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
 pub(crate) use schema::SchemaName;

@@ -147,6 +147,10 @@ pub(crate) fn imported_by(import: &ImportArgs) -> Result<LogOptions, Failure> {
             Some(path) => Mapping::read_file_with_reference(path, reference)?,
             None => Mapping::default().with_reference(reference),
         },
+        csv_limits: csv::Limits {
+            bad_rows: import.skip_bad_rows,
+            ..csv::Limits::default()
+        },
         ..LogOptions::default()
     })
 }

@@ -90,7 +90,10 @@ impl Options {
 fn import(import: &ImportArgs) -> String {
     let reference = import.pressure().into_iter();
     let reference = reference.map(|reference| option("--pressure", reference));
-    paths("--mapping", import.mapping.as_slice()) + &reference.collect::<String>()
+    let skip = Some(import.skip_bad_rows).filter(|&count| count > 0);
+    let skip = skip.map(|count| option("--skip-bad-rows", &count.to_string()));
+    let mapping = paths("--mapping", import.mapping.as_slice());
+    mapping + &reference.chain(skip).collect::<String>()
 }
 
 fn paths<P: AsRef<Path>>(name: &str, paths: &[P]) -> String {

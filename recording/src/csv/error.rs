@@ -134,6 +134,11 @@ impl CsvError {
         &self.0.problem
     }
 
+    /// Returns whether the problem concerns one row, which [`Limits::bad_rows`](super::Limits::bad_rows) can skip.
+    pub fn is_of_row(&self) -> bool {
+        self.problem().is_of_row()
+    }
+
     /// Returns whether a budget was exceeded, which the caller may raise.
     pub fn is_limit(&self) -> bool {
         matches!(self.problem(), Problem::Limit { .. })

@@ -215,6 +215,24 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// Returns whether the problem concerns one row, without which the others can be read.
+    pub(super) fn is_of_row(&self) -> bool {
+        matches!(
+            self,
+            Self::Ragged { .. }
+                | Self::Truncated { .. }
+                | Self::Unmapped { .. }
+                | Self::NotANumber { .. }
+                | Self::NotAClock { .. }
+                | Self::NotFinite { .. }
+                | Self::Thousands { .. }
+                | Self::TimeMissing
+                | Self::TimeOrder { .. }
+                | Self::TimeBounds { .. }
+                | Self::Implausible(Implausible::DutyRange { .. })
+        )
+    }
+
     /// Returns the stable code.
     pub fn code(&self) -> &'static str {
         match self {

@@ -11,7 +11,7 @@ use super::record::Records;
 use super::row::RowParser;
 use super::{Dialect, Limits, Mapping};
 use crate::provenance::READER_NOTE;
-use crate::{Note, OutOfBounds, Provenance, Recording, TimeBase, Unit};
+use crate::{Note, OutOfBounds, Provenance, Recording, SkippedRow, TimeBase, Unit};
 
 /// Options for reading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +39,8 @@ pub struct Reader<R: Read> {
     dialect: Dialect,
     columns: Vec<Column>,
     rows: RowParser,
+    bad_rows: u64,
+    skipped: Vec<SkippedRow>,
     state: State,
 }
 
@@ -106,6 +108,8 @@ impl<R: Read> Reader<R> {
             dialect,
             columns,
             rows,
+            bad_rows: options.limits.bad_rows,
+            skipped: Vec::new(),
             state: State::Reading,
         })
     }
@@ -158,6 +162,11 @@ impl<R: Read> Reader<R> {
         self.rows.out_of_bounds()
     }
 
+    /// Returns the rows skipped so far.
+    pub fn skipped_rows(&self) -> &[SkippedRow] {
+        &self.skipped
+    }
+
     /// Returns source, notes, and the size and hash of the data read so far: of the whole file once it has ended.
     pub fn provenance(&mut self) -> Provenance {
         let (producer, notes): (Vec<Note>, Vec<Note>) = self
@@ -183,8 +192,23 @@ impl<R: Read> Reader<R> {
 
     fn advance(&mut self) -> Result<bool, Located> {
         while let Some(record) = self.records.next()? {
-            if self.rows.parse(record, &self.plan)? {
-                return Ok(true);
+            let line = record.line;
+            match self.rows.parse(record, &self.plan) {
+                Ok(true) => return Ok(true),
+                Ok(false) => {}
+                Err((place, problem)) => {
+                    let is_skipped = (self.skipped.len() as u64) < self.bad_rows;
+                    if !is_skipped || !problem.is_of_row() {
+                        return Err((place, problem));
+                    }
+                    let column = place.column;
+                    let column =
+                        column.map_or_else(String::new, |column| format!("column {column}: "));
+                    self.skipped.push(SkippedRow {
+                        line,
+                        reason: format!("{column}{problem}"),
+                    });
+                }
             }
         }
         self.rows.finish(&self.plan)?;
@@ -218,6 +242,9 @@ pub fn read<R: Read>(
         recording
             .add_signal(column.name.clone(), column.unit, time_base, samples)
             .expect("the reader refuses names that are taken or impossible, and values that are infinite");
+    }
+    for row in reader.skipped_rows() {
+        recording.add_skipped_row(row.clone());
     }
     for cells in reader.out_of_bounds() {
         recording.add_out_of_bounds(cells.clone());

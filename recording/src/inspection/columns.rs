@@ -144,6 +144,7 @@ impl Draft {
         );
         let width = survey.headers.len();
         let mut missing_words: Vec<String> = Vec::new();
+        let mut bad_rows = survey.ragged;
         let mut remarks = Vec::new();
         let mut columns = Vec::with_capacity(width);
         for (field, found) in survey.columns.into_iter().enumerate() {
@@ -204,6 +205,7 @@ impl Draft {
             }
             if column.obstacle.is_none() && !matches!(column.role, Use::Ignored | Use::Blank) {
                 missing_words.extend(found.missing_words);
+                bad_rows += found.texts;
                 if let Some((line, text)) = &found.first_text {
                     remarks.push(format!(
                         "{}: {} cells are no numbers, the first is {text} in line {line}",
@@ -245,6 +247,7 @@ impl Draft {
             missing_words,
             assumed,
             remarks,
+            bad_rows,
             constants: mapping.constants.keys().cloned().collect(),
         }
     }
@@ -304,6 +307,7 @@ impl Draft {
             missing_words: Vec::new(),
             assumed: Vec::new(),
             remarks,
+            bad_rows: 0,
             constants: mapping.constants.keys().cloned().collect(),
         }
     }

@@ -44,6 +44,8 @@ pub struct Inspection {
     pub assumed: Vec<String>,
     /// Cells and rows that are no numbers.
     pub remarks: Vec<String>,
+    /// Number of rows with another number of fields, or with texts among the numbers.
+    pub bad_rows: u64,
     /// Text of a mapping, TOML; `None` if the file needs none.
     pub mapping: Option<String>,
     /// Whether the log is read only if the reference of its pressures is given.
@@ -159,6 +161,7 @@ struct Draft {
     missing_words: Vec<String>,
     assumed: Vec<String>,
     remarks: Vec<String>,
+    bad_rows: u64,
     /// Signals of the given mapping that have no column.
     constants: Vec<String>,
 }
@@ -286,6 +289,7 @@ impl Draft {
             open,
             assumed: self.assumed,
             remarks: self.remarks,
+            bad_rows: self.bad_rows,
             mapping,
             needs_reference,
             suggested,

@@ -28,6 +28,9 @@ pub(crate) struct InspectArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
+/// Maximum number of rows of a log that are skipped; each is listed.
+pub(crate) const SKIPPED_MAX: u64 = 1000;
+
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ImportArgs {
     /// TOML file that maps columns or channels without standard names to signals and units; `retarder inspect`
@@ -37,6 +40,9 @@ pub(crate) struct ImportArgs {
     /// Reference of pressures whose unit states none, such as bar; a unit that states its reference keeps it
     #[arg(long, value_name = "REFERENCE")]
     pressure: Option<Pressure>,
+    /// Skip and list up to N rows of a CSV log that cannot be read, such as one with a text among its numbers
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = clap::value_parser!(u64).range(0..=SKIPPED_MAX))]
+    pub(crate) skip_bad_rows: u64,
 }
 
 impl ImportArgs {

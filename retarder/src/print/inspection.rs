@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use recording::csv::Excerpt;
-use recording::{InspectedColumn, Inspection};
+use recording::{InspectedColumn, Inspection, LogError};
 
 use super::number::{or_dash, significant};
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, indented, paragraph, title};
-use crate::cli::reference_name;
+use crate::cli::{SKIPPED_MAX, reference_name};
 use crate::run::inspect::Inspected;
 use crate::shell::quoted;
 
@@ -174,56 +174,57 @@ fn missing(log: &Inspection) -> Vec<String> {
 fn next(inspected: &Inspected, path: &Path, log: &Inspection) -> String {
     let args = &inspected.args;
     let file = quoted(&path.display().to_string());
-    let given = args
+    let given = args.import.pressure();
+    let pressure = given.map_or_else(String::new, |word| format!(" --pressure {word}"));
+    let mapping = args
         .import
-        .pressure()
-        .map(|word| format!(" --pressure {word}"));
-    let pressure = given.clone().unwrap_or_default();
-    let mapping = args.import.mapping.as_ref();
-    let mapping = mapping.map_or_else(String::new, |path| {
-        format!(" --mapping {}", quoted(&path.display().to_string()))
-    });
-    let stem = path
-        .file_stem()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy();
+        .mapping
+        .as_ref()
+        .map_or_else(String::new, |path| {
+            format!(" --mapping {}", quoted(&path.display().to_string()))
+        });
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
     let out = args.out.as_ref().map_or_else(
-        || format!("{stem}-columns.toml"),
+        || format!("{}-columns.toml", stem.to_string_lossy()),
         |out| out.display().to_string(),
     );
     let out = quoted(&out);
-    let asks_for_reference = log
-        .open
-        .iter()
-        .any(|one| one.answer.starts_with("--pressure"));
-    if given.is_none() && asks_for_reference {
+    let skip = match args.import.skip_bad_rows {
+        0 => String::new(),
+        count => format!(" --skip-bad-rows {count}"),
+    };
+    let mut open = log.open.iter();
+    if given.is_none() && open.any(|one| one.answer.starts_with("--pressure")) {
         let words = match log.suggested {
             Some(reference) => vec![reference_name(reference)],
             None => vec!["gauge", "absolute"],
         };
         let commands = words.iter().map(|word| match &log.mapping {
             Some(_) => {
-                format!("  retarder inspect {file}{mapping} --pressure {word} --out {out}\n")
+                format!("  retarder inspect {file}{mapping} --pressure {word}{skip} --out {out}\n")
             }
-            None => format!("  retarder compare {file}{mapping} --pressure {word}\n"),
+            None => format!("  retarder compare {file}{mapping} --pressure {word}{skip}\n"),
         });
         return commands.collect();
     }
-    if log.trial.is_err() {
-        return String::new();
+    if let Err(error) = &log.trial {
+        let is_of_row = matches!(error, LogError::Csv(error) if error.is_of_row());
+        let bad = log.bad_rows;
+        return match is_of_row && args.import.skip_bad_rows < bad && bad <= SKIPPED_MAX {
+            true => {
+                format!("  retarder inspect {file}{mapping}{pressure} --skip-bad-rows {bad}\n")
+            }
+            false => String::new(),
+        };
     }
     match (&log.mapping, &args.out) {
         (None, _) => {
-            let pressure = if log.needs_reference {
-                pressure
-            } else {
-                String::new()
-            };
-            format!("  retarder compare {file}{mapping}{pressure}\n")
+            let pressure = if log.needs_reference { &*pressure } else { "" };
+            format!("  retarder compare {file}{mapping}{pressure}{skip}\n")
         }
-        (Some(_), Some(_)) => format!("  retarder compare {file} --mapping {out}\n"),
+        (Some(_), Some(_)) => format!("  retarder compare {file} --mapping {out}{skip}\n"),
         (Some(_), None) => format!(
-            "  retarder inspect {file}{mapping}{pressure} --out {out}\n  retarder compare {file} --mapping {out}\n"
+            "  retarder inspect {file}{mapping}{pressure}{skip} --out {out}\n  retarder compare {file} --mapping {out}{skip}\n"
         ),
     }
 }

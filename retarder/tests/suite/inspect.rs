@@ -171,6 +171,38 @@ fn a_reference_completes_bar_and_does_not_override_a_stated_one() {
 }
 
 #[test]
+fn bad_rows_are_skipped_where_that_is_asked_for_and_listed() {
+    let bench = Bench::new();
+    let log = beginning_of("synthetic/practice-01-id.csv", 3.0);
+    bench.file("bench.csv", &log.replacen("\n0.1", "\nbroken\n0.1", 1));
+    let ran = bench.run(&["compare", "bench.csv"]);
+    assert_contains(&ran.err, &["E-CSV-RAGGED"]);
+    let out = bench.run(&["inspect", "bench.csv"]).ended_with(1);
+    assert_eq!(
+        next(&out)[0],
+        ["inspect", "bench.csv", "--skip-bad-rows", "1"]
+    );
+    let out = follow(&bench, &next(&out)[0], 0);
+    assert_contains(&out, &["is skipped: found 1 fields"]);
+    let compare = &next(&out)[0];
+    assert_eq!(
+        compare[..],
+        ["compare", "bench.csv", "--skip-bad-rows", "1"]
+    );
+    let compare: Vec<&str> = compare.iter().map(String::as_str).collect();
+    assert_contains(&bench.run(&compare).out, &["is skipped: found 1 fields"]);
+    let ran = bench.run(&[
+        "simulate",
+        "bench.csv",
+        "--skip-bad-rows",
+        "1",
+        "--out",
+        "model.csv",
+    ]);
+    assert_contains(&ran.err, &["is skipped: found 1 fields"]);
+}
+
+#[test]
 fn an_error_of_columns_names_the_inspection() {
     let bench = Bench::new();
     bench.file("it's.csv", "Zeit;Druck\n0,0;1,5\n0,1;1,6\n");
