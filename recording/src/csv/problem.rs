@@ -32,7 +32,7 @@ pub enum Problem {
     ReadAfterError,
     /// The file has no record.
     Empty,
-    /// The file is not UTF-8.
+    /// The file is no text in a known encoding.
     Encoding {
         /// Probable encoding.
         guess: &'static str,
@@ -407,7 +407,12 @@ impl fmt::Display for Problem {
             Self::Io(error) => write!(f, "{error}"),
             Self::ReadAfterError => write!(f, "an error came before, its rest was not read"),
             Self::Empty => write!(f, "there is nothing in it, expected a header and rows"),
-            Self::Encoding { guess, .. } => write!(f, "found {guess}, expected UTF-8"),
+            Self::Encoding { guess, .. } => {
+                write!(
+                    f,
+                    "found {guess}, expected text in UTF-8, UTF-16 or Windows-1252"
+                )
+            }
             Self::LineEnd => write!(
                 f,
                 "lines end with a bare carriage return, expected a line feed"

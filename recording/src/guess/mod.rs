@@ -185,7 +185,8 @@ impl Reading {
             match found {
                 Some(&(signal, ..)) => (reading.signal, reading.strength) = (Some(signal), 2),
                 None if kind == M::Time => (reading.signal, reading.strength) = (Some(TIME), 2),
-                None => reading.strength = 1,
+                // A state without a name, such as `V1`, is a weaker candidate than a named valve.
+                None => reading.strength = u8::from(!words.is_empty()),
             }
         }
         reading.reasons.extend(unit_reason);
@@ -241,7 +242,11 @@ impl Reading {
         self.kind = of_unit
             .or(long)
             .or_else(|| of_words.clone().next().map(|&(_, kind)| kind));
-        if self.kind.is_none() && is_of_valve && values.are_within(0.0, FULL_COUNTS[2]) {
+        let is_state =
+            values.are_whole && values.are_within(0.0, 1.0) && values.least < values.greatest;
+        if self.kind.is_none()
+            && (is_of_valve && values.are_within(0.0, FULL_COUNTS[2]) || is_state)
+        {
             self.kind = Some(M::Duty);
         }
     }
@@ -438,12 +443,13 @@ fn name_valves(
     pressure: Option<usize>,
     rise: &dyn Fn(usize, Option<usize>, usize) -> Option<f64>,
 ) {
-    let named =
+    let place_of =
         |readings: &[Reading], signal| readings.iter().position(|one| one.signal == Some(signal));
-    let open: Vec<usize> = (0..readings.len())
+    let (named, unnamed): (Vec<usize>, Vec<usize>) = (0..readings.len())
         .filter(|&index| readings[index].kind == Some(kind) && readings[index].signal.is_none())
-        .collect();
-    let [fill, vent] = signals.map(|signal| named(readings, signal));
+        .partition(|&index| readings[index].strength > 0);
+    let open = if named.is_empty() { unnamed } else { named };
+    let [fill, vent] = signals.map(|signal| place_of(readings, signal));
     let direction =
         |valve, other| rise(valve, other, pressure?).filter(|share| share.abs() >= CLEAR_RISE);
     let mut found: Vec<(usize, usize, &str)> = Vec::new();

@@ -156,6 +156,37 @@ fn a_sensor_voltage_asks_for_scale_and_offset() {
 }
 
 #[test]
+fn states_without_a_name_are_valves_if_the_pressure_follows_them() {
+    let columns = [
+        ("time_s", [0.0, 1.0, 2.0]),
+        ("p_ch_bar_gauge", [0.0, 3.0, 1.0]),
+        ("DO 3", [0.0, 1.0, 0.0]),
+        ("DO 4", [0.0, 0.0, 1.0]),
+        ("constant", [1.0, 1.0, 1.0]),
+    ];
+    let all = columns.map(|(_, numbers)| values(&numbers));
+    let subjects: Vec<Subject> = columns
+        .iter()
+        .zip(&all)
+        .map(|((header, _), values)| Subject {
+            header,
+            unit: "",
+            values,
+        })
+        .collect();
+    let rise = |valve: usize, _: Option<usize>, _: usize| Some(if valve == 2 { 0.9 } else { -0.9 });
+    let found = guess(&subjects, None, false, &rise);
+    assert_eq!(
+        (found[2].signal, found[3].signal, found[4].signal),
+        (Some("duty_fill"), Some("duty_vent"), None)
+    );
+    assert_eq!(
+        found[2].reason,
+        "values 0/1: a valve state; the pressure rises while it is on"
+    );
+}
+
+#[test]
 fn equal_names_are_a_question_and_a_clearer_one_wins() {
     let (time, pressure) = ([0.0, 1.0, 2.0], [0.0, 3.0, 1.0]);
     let all = guesses(&[

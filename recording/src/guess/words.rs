@@ -42,6 +42,7 @@ pub(super) const WORDS: &[(&str, Meaning)] = &[
     ("temperature", M::Temperature), ("temperatur", M::Temperature), ("temp", M::Temperature),
     ("position", M::Position), ("stroke", M::Position), ("lift", M::Position), ("hub", M::Position), ("x", M::Position),
     ("valve", M::Valve), ("ventil", M::Valve), ("solenoid", M::Valve), ("mv", M::Valve),
+    ("v", M::Valve),
     ("fill", M::Fill), ("filling", M::Fill), ("fuell", M::Fill), ("befuellung", M::Fill), ("belueft", M::Fill),
     ("inlet", M::Inlet), ("einlass", M::Inlet), ("zuluft", M::Inlet), ("in", M::Inlet),
     ("vent", M::Vent), ("venting", M::Vent), ("entlueft", M::Vent), ("exhaust", M::Vent), ("outlet", M::Vent),

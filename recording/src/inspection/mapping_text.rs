@@ -97,8 +97,11 @@ impl Draft {
                 text += &lines_of(column);
             }
         }
-        let has_number =
-            |column: &&Column| matches!(column.role, Use::Ignored) && column.values.count > 0;
+        let has_number = |column: &&Column| {
+            matches!(column.role, Use::Ignored)
+                && column.values.count > 0
+                && !column.values.increase
+        };
         let unused = self.columns.iter().find(has_number);
         for signal in missing {
             let Some(unused) = unused else { break };
