@@ -375,3 +375,70 @@ fn dates_and_times_of_day_are_read_from_the_first_row_on() {
         );
     }
 }
+
+/// The awkward logs of `data/unknown` are read with the proposed mapping once the open reference is given.
+#[test]
+fn the_bundled_unknown_logs_are_read_with_the_proposed_mapping() {
+    for (name, signals, assumed) in [
+        (
+            "german-logger.csv",
+            &["duty_fill", "duty_vent", "i_fill", "i_vent", "p_ch"][..],
+            0,
+        ),
+        (
+            "unnamed-columns.csv",
+            &["duty_fill", "duty_vent", "p_ch", "p_sup"],
+            4,
+        ),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../data/unknown")
+            .join(name);
+        let inspect = |reference| {
+            let mapping = Mapping::default().with_reference(reference);
+            inspect_file(
+                &path,
+                &LogOptions {
+                    mapping,
+                    ..LogOptions::default()
+                },
+                None,
+            )
+            .unwrap()
+        };
+        let open = inspect(None);
+        assert_eq!(open.suggested, Some(PressureReference::Gauge), "{open:#?}");
+        let answered = inspect(Some(PressureReference::Gauge));
+        assert!(answered.is_ready(), "{answered:#?}");
+        assert_eq!(answered.assumed.len(), assumed, "{:?}", answered.assumed);
+        let mapping = Mapping::parse("proposed", answered.mapping.as_ref().unwrap()).unwrap();
+        let recording = read_log_file(
+            &path,
+            &LogOptions {
+                mapping,
+                ..LogOptions::default()
+            },
+        )
+        .unwrap();
+        let mut names: Vec<&str> = recording
+            .signals()
+            .iter()
+            .map(|signal| signal.name())
+            .collect();
+        names.sort_unstable();
+        assert_eq!(names, signals, "{name}");
+        // The same rows as in the log from which they were made.
+        let source =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/synthetic/practice-01-id.csv");
+        let source = read_log_file(source, &LogOptions::default()).unwrap();
+        for signal in ["p_ch", "duty_fill", "duty_vent"] {
+            let unit = source.signal(signal).unwrap().unit();
+            let found = recording.signal(signal).unwrap().values_in(unit).unwrap();
+            let expected = &source.signal(signal).unwrap().values_or_nan()[..600];
+            let is_same = |(found, expected): (&f64, &f64)| {
+                found.is_nan() || (found - expected).abs() < 0.051
+            };
+            assert!(found.iter().zip(expected).all(is_same), "{name}: {signal}");
+        }
+    }
+}

@@ -191,7 +191,7 @@ impl Reading {
         }
         reading.reasons.extend(unit_reason);
         if kind != M::Time {
-            reading.find_unit(kind, column.values);
+            reading.find_unit(kind, column.values, reference);
         }
         reading
     }
@@ -252,7 +252,12 @@ impl Reading {
     }
 
     /// Finds the unit by the values where the file states none, and notes the open reference of a pressure.
-    fn find_unit(&mut self, kind: Meaning, values: &ColumnValues) {
+    fn find_unit(
+        &mut self,
+        kind: Meaning,
+        values: &ColumnValues,
+        reference: Option<PressureReference>,
+    ) {
         let (least, greatest) = (values.least, values.greatest.max(-values.least));
         if self.unit.is_none() {
             let by_size = match kind {
@@ -284,7 +289,7 @@ impl Reading {
                 }
                 Some(_) => {}
             }
-            self.unit = by_size;
+            self.unit = by_size.map(|unit| unit.completed(reference));
         }
         if let Some(GuessedUnit::Pressure(text)) = &self.unit {
             self.question = Some(Question::Reference {

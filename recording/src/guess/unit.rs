@@ -15,6 +15,16 @@ pub(crate) enum GuessedUnit {
 }
 
 impl GuessedUnit {
+    /// Returns the unit with this reference, if it states none.
+    pub(super) fn completed(self, reference: Option<PressureReference>) -> Self {
+        match (&self, reference) {
+            (Self::Pressure(text), Some(reference)) => {
+                with_reference(text, reference).map_or(self, Self::Unit)
+            }
+            _ => self,
+        }
+    }
+
     /// Returns the unit in the notation of a mapping.
     pub(crate) fn token(&self) -> &str {
         match self {
@@ -100,12 +110,7 @@ pub(super) fn unit_of(
     place: UnitPlace,
     reference: Option<PressureReference>,
 ) -> (Option<GuessedUnit>, Option<String>) {
-    let unit = known_unit(text).map(|unit| match (&unit, reference) {
-        (GuessedUnit::Pressure(text), Some(reference)) => {
-            with_reference(text, reference).map_or(unit, GuessedUnit::Unit)
-        }
-        _ => unit,
-    });
+    let unit = known_unit(text).map(|unit| unit.completed(reference));
     let reason = match (place, &unit) {
         (UnitPlace::None, _) => None,
         (_, None) => Some(format!("unit {} is not known", Excerpt::of(text))),
