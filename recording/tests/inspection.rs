@@ -411,7 +411,9 @@ fn the_bundled_unknown_logs_are_read_with_the_proposed_mapping() {
         let answered = inspect(Some(PressureReference::Gauge));
         assert!(answered.is_ready(), "{answered:#?}");
         assert_eq!(answered.assumed.len(), assumed, "{:?}", answered.assumed);
-        let mapping = Mapping::parse("proposed", answered.mapping.as_ref().unwrap()).unwrap();
+        let text = answered.mapping.as_ref().unwrap();
+        assert_eq!(text.matches("assumed: ").count(), assumed, "{text}");
+        let mapping = Mapping::parse("proposed", text).unwrap();
         let recording = read_log_file(
             &path,
             &LogOptions {

@@ -38,6 +38,8 @@ pub(super) struct Column {
     pub(super) unit: Option<GuessedUnit>,
     pub(super) scale: Option<f64>,
     pub(super) reason: String,
+    /// What is assumed and should be checked.
+    pub(super) assumed: String,
     pub(super) question: Option<Question>,
 }
 
@@ -73,6 +75,7 @@ impl Column {
             unit: None,
             scale: None,
             reason: String::new(),
+            assumed: String::new(),
             question: None,
         }
     }
@@ -369,6 +372,7 @@ impl Draft {
             if !guess.assumed.is_empty() && !matches!(column.role, Use::Ignored) {
                 let text = format!("{}: {}", Excerpt::of(&column.key), guess.assumed);
                 self.assumed.push(text);
+                column.assumed = guess.assumed;
             }
         }
         self.leave_names_to_the_first();

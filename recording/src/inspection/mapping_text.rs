@@ -129,8 +129,16 @@ impl Draft {
 fn lines_of(column: &Column) -> String {
     let unit = column.unit_token();
     let mut text = format!("column = {}\nunit = \"{unit}\"", column.toml_key);
-    if !column.reason.is_empty() {
-        let _ = write!(text, "  # {}", column.reason);
+    let assumed = match column.assumed.is_empty() {
+        true => String::new(),
+        false => format!("assumed: {}", column.assumed),
+    };
+    let reasons = [&column.reason, &assumed]
+        .into_iter()
+        .filter(|text| !text.is_empty());
+    let reasons: Vec<&str> = reasons.map(String::as_str).collect();
+    if !reasons.is_empty() {
+        let _ = write!(text, "  # {}", reasons.join("; "));
     }
     text.push('\n');
     if let Some(scale) = column.scale {

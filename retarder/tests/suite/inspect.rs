@@ -62,6 +62,24 @@ fn the_proposed_commands_lead_from_an_unknown_log_to_a_comparison() {
 }
 
 #[test]
+fn the_logs_of_other_loggers_come_in_with_one_answer() {
+    for name in ["german-logger", "unnamed-columns"] {
+        let bench = Bench::new();
+        let log = data(&format!("unknown/{name}.csv"));
+        let out = bench.run(&["inspect", &log]).ended_with(2);
+        let out = follow(&bench, &next(&out)[0], 0);
+        assert_contains(&out, &[&format!("--mapping {name}-columns.toml")]);
+        let ran = bench.run(&[
+            "compare",
+            &log,
+            "--mapping",
+            &format!("{name}-columns.toml"),
+        ]);
+        assert_contains(&ran.out, &["600 samples, 5.99 s", "p_ch [bar]"]);
+    }
+}
+
+#[test]
 fn a_file_that_needs_no_mapping_says_so_and_leaves_no_file() {
     let bench = Bench::new();
     bench.file(
