@@ -235,6 +235,22 @@ fn every_file_of_the_corpus_is_inspected_or_refused() {
     assert!(count > 80, "{count}");
 }
 
+/// 200 without a unit may be kPa, psi or mbar.
+#[test]
+fn a_signal_whose_unit_is_not_known_is_asked_and_not_mapped() {
+    let inspection = inspected("time_s,Kammerdruck\n0,0\n0.01,200\n0.02,150\n");
+    assert_eq!(signal_of(&inspection, "Kammerdruck"), None);
+    assert!(inspection.missing.contains(&"p_ch"));
+    let asked = inspection
+        .open
+        .iter()
+        .find(|one| one.question.contains("its unit is not known"));
+    assert!(
+        asked.unwrap().answer.contains("signal.p_ch = "),
+        "{inspection:#?}"
+    );
+}
+
 #[test]
 fn bad_rows_are_skipped_up_to_their_number_and_listed() {
     let text = "time_s,p_ch_bar_gauge\n0,0.1\n0.01\n0.02,x\n0.03,0.2\n0.02,0.2\n0.04,0.3\n";
@@ -441,6 +457,53 @@ fn the_bundled_unknown_logs_are_read_with_the_proposed_mapping() {
                 found.is_nan() || (found - expected).abs() < 0.051
             };
             assert!(found.iter().zip(expected).all(is_same), "{name}: {signal}");
+        }
+    }
+}
+
+mod damaged {
+    use proptest::prelude::*;
+    use recording::PressureReference;
+    use recording::csv::Mapping;
+    use recording::{LogOptions, inspect_file};
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Any damage ends with an inspection or an error, and a proposed mapping is always one that can be parsed.
+        #[test]
+        fn any_damage_ends_with_an_inspection_or_an_error(
+            changes in proptest::collection::vec((0.0..1.0_f64, any::<u8>(), 0..3_u8), 0..12),
+            cut in 0.0..1.0_f64,
+            is_cut in any::<bool>(),
+            file in 0..3_usize,
+        ) {
+            let names = ["data/unknown/german-logger.csv", "data/unknown/unnamed-columns.csv",
+                "recording/tests/fixtures/mf4/rates-transposed.mf4"];
+            let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../");
+            let mut bytes = std::fs::read(format!("{root}{}", names[file])).unwrap();
+            bytes.truncate(if file == 2 { usize::MAX } else { 4000 });
+            for (place, value, kind) in changes {
+                // Most damage is in the head, which decides about the layout.
+                let at = ((place * place * bytes.len() as f64) as usize).min(bytes.len().saturating_sub(1));
+                match kind {
+                    0 if at < bytes.len() => bytes[at] = value,
+                    1 if at < bytes.len() => drop(bytes.remove(at)),
+                    _ => bytes.insert(at, b";,\n\r\"[]_ 0"[usize::from(value) % 10]),
+                }
+            }
+            if is_cut {
+                bytes.truncate((cut * bytes.len() as f64) as usize);
+            }
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("any.log");
+            std::fs::write(&path, &bytes).unwrap();
+            if let Ok(inspection) = inspect_file(&path, &LogOptions::default(), None)
+                && let Some(text) = inspection.mapping
+            {
+                let parsed = Mapping::parse_with_reference("any", &text, Some(PressureReference::Gauge));
+                prop_assert!(parsed.is_ok(), "{:?}\n{text}", parsed.err());
+            }
         }
     }
 }

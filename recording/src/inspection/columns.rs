@@ -360,6 +360,11 @@ impl Draft {
             column.role = match (guess.signal, &column.own) {
                 (None, _) if column.is_clock => Use::Ignored,
                 (Some(TIME), _) => Use::Time,
+                // A line without a unit is no mapping.
+                (Some(signal), _) if column.unit.is_none() => {
+                    column.question = Some(Question::Unit(signal));
+                    Use::Ignored
+                }
                 (Some(signal), _) => Use::Signal(signal.to_owned()),
                 // The question keeps the column out of the mapping until it is answered.
                 (None, _) if column.question.is_some() => Use::Ignored,
