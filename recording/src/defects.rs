@@ -12,6 +12,24 @@ pub struct Defects {
     pub gap_count: usize,
     /// Signals with missing cells.
     pub missing: Vec<MissingCells>,
+    /// Rows that were skipped because the reader could not accept them.
+    pub skipped: Vec<SkippedRow>,
+}
+
+/// Row that the reader skipped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SkippedRow {
+    /// Line in the file, from 1.
+    pub line: u64,
+    /// Found and expected text.
+    pub reason: String,
+}
+
+impl SkippedRow {
+    /// Returns a sentence with line and reason.
+    pub fn sentence(&self) -> String {
+        format!("line {} is skipped: {}", self.line, self.reason)
+    }
 }
 
 /// Interval without rows.
@@ -45,7 +63,10 @@ pub struct MissingCells {
 impl Recording {
     /// Returns gaps and missing cells.
     pub fn defects(&self) -> Defects {
-        let mut defects = Defects::default();
+        let mut defects = Defects {
+            skipped: self.skipped_rows().to_vec(),
+            ..Defects::default()
+        };
         for (_, base) in self.time_bases() {
             let sampling = base.sampling();
             let step_s = sampling.median_step_s.unwrap_or(f64::INFINITY);
@@ -165,6 +186,7 @@ impl DefectCounter {
             missing: missing.collect(),
             gaps: self.gaps,
             gap_count: self.gap_count,
+            skipped: Vec::new(),
         }
     }
 }
@@ -187,7 +209,7 @@ impl Defects {
 
     /// Returns whether there are no defects.
     pub fn is_empty(&self) -> bool {
-        self.gap_count == 0 && self.missing.is_empty()
+        self.gap_count == 0 && self.missing.is_empty() && self.skipped.is_empty()
     }
 
     /// Returns one sentence for each defect, without a full stop; of many pauses only the first ones.
@@ -207,6 +229,7 @@ impl Defects {
             ));
         }
         sentences.extend(self.missing.iter().map(MissingCells::sentence));
+        sentences.extend(self.skipped.iter().map(SkippedRow::sentence));
         sentences
     }
 }

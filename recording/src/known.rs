@@ -18,6 +18,9 @@ impl Recording {
         for left_out in self.left_out() {
             known.leave_out(&left_out.name, &left_out.reason);
         }
+        for row in self.skipped_rows() {
+            known.add_skipped_row(row.clone());
+        }
         for cells in self.out_of_bounds() {
             known.add_out_of_bounds(cells.clone());
         }

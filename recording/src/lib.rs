@@ -4,6 +4,8 @@ mod bounds;
 pub mod csv;
 mod defects;
 mod file;
+mod guess;
+mod inspection;
 mod known;
 mod log;
 pub mod mf4;
@@ -19,10 +21,12 @@ mod start_time;
 mod time_base;
 mod unit;
 mod united;
+mod values;
 
 pub use bounds::{Bounds, OutOfBounds, Outlier};
-pub use defects::{DefectCounter, Defects, MissingCells, Pause};
+pub use defects::{DefectCounter, Defects, MissingCells, Pause, SkippedRow};
 pub use file::{AtomicFile, FileIdentity, write_file_atomically};
+pub use inspection::{InspectedColumn, Inspection, OpenPoint, Trial, inspect_file};
 pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,
 };
@@ -37,3 +41,4 @@ pub use start_time::{Clock, StartTime};
 pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError, median_step_s};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};
 pub use united::{OwnSamples, own_rows};
+pub use values::ColumnValues;

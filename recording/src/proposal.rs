@@ -9,7 +9,7 @@ pub(crate) fn signal_line(name: &str, key: &str, unit: &str) -> String {
 }
 
 /// Returns a bare key where TOML allows one, otherwise a quoted one.
-fn toml_key(name: &str) -> String {
+pub(crate) fn toml_key(name: &str) -> String {
     let bare = name
         .bytes()
         .all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-'));

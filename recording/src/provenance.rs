@@ -2,6 +2,9 @@ use std::fmt::Write as _;
 
 use crate::StartTime;
 
+/// Key of the notes that a reader adds to those of the file.
+pub const READER_NOTE: &str = "reader";
+
 /// Origin of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {

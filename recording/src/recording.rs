@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::name::{NameError, check_name, is_time_column};
 use crate::signal::quantity_of;
-use crate::{OutOfBounds, Provenance, Quantity, Signal, TimeBase, Unit};
+use crate::{OutOfBounds, Provenance, Quantity, Signal, SkippedRow, TimeBase, Unit};
 
 /// Measured or simulated data: named signals with unit and time base, and their provenance.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +13,7 @@ pub struct Recording {
     left_out: Vec<LeftOut>,
     out_of_bounds: Vec<OutOfBounds>,
     needs: Vec<(String, f64)>,
+    skipped_rows: Vec<SkippedRow>,
 }
 
 /// Channel of the source that is no signal of the recording.
@@ -139,6 +140,16 @@ impl Recording {
     /// Returns the channels of the source that are no signals, in the order of the source.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
+    }
+
+    /// Adds a row of the source that the reader skipped.
+    pub fn add_skipped_row(&mut self, row: SkippedRow) {
+        self.skipped_rows.push(row);
+    }
+
+    /// Returns the rows of the source that the reader skipped, in order.
+    pub fn skipped_rows(&self) -> &[SkippedRow] {
+        &self.skipped_rows
     }
 
     /// Sets the tolerated model error of the signal `name` (rms, in the unit of the signal).

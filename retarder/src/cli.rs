@@ -2,11 +2,12 @@
 
 mod device;
 mod diagnosis;
+mod inspect;
 mod next_experiment;
 mod report;
 mod schema;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueHint};
@@ -20,6 +21,7 @@ pub(crate) use device::{
     BlackBoxArgs, CalibrateArgs, CalibrateCommand, MeasureArgs, ReadArgs, WriteArgs,
 };
 pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
+pub(crate) use inspect::{ImportArgs, InspectArgs, SKIPPED_MAX, reference_name};
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
 pub(crate) use schema::SchemaName;
@@ -51,10 +53,11 @@ impl Cli {
 const TOUR_EXAMPLES: &str = "\
 Examples:
   retarder                                                   run the demo
-  retarder compare --log bench.csv                           compare the nominal model with a log
+  retarder inspect bench.csv                                 list the columns of a log, and map them
+  retarder compare bench.csv                                 compare the nominal model with a log
   retarder parameters --toml > my-plant.toml                 write a plant file to start from
-  retarder compare --plant my-plant.toml --log bench.csv
-  retarder diagnose --plant my-plant.toml --log bench.csv    find the missing physical effect
+  retarder compare bench.csv --plant my-plant.toml
+  retarder diagnose bench.csv --plant my-plant.toml          find the missing physical effect
   retarder control --plant my-plant.toml                     check the closed loop
   retarder serve                                             work in the browser
 
@@ -64,6 +67,8 @@ Colours: NO_COLOR=1 turns them off, CLICOLOR_FORCE=1 on. COLUMNS sets the width 
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// List the columns of an unknown log, guess their signals, and propose a mapping
+    Inspect(InspectArgs),
     /// Simulate the model with the duty cycles of a log and write a recording
     Simulate(SimulateArgs),
     /// Compare the model with a measurement: size and place of the error
@@ -315,11 +320,21 @@ pub(crate) struct PlantArgs {
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
     /// Bench log, CSV with units in the header (`p_ch_bar_gauge`) or MF4; - is the standard input
+    #[arg(value_name = "LOG", value_hint = ValueHint::FilePath, required_unless_present = "log", conflicts_with = "log")]
+    path: Option<PathBuf>,
+    /// Bench log, the same as LOG
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(crate) log: PathBuf,
-    /// TOML file that maps columns or channels without standard names to signals and units
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(crate) mapping: Option<PathBuf>,
+    log: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) import: ImportArgs,
+}
+
+impl LogArgs {
+    /// Returns the log, given as LOG or by --log.
+    pub(crate) fn log(&self) -> &Path {
+        let given = self.path.as_deref().or(self.log.as_deref());
+        given.unwrap_or_else(|| unreachable!("clap requires one of them"))
+    }
 }
 
 #[derive(Debug, Args)]

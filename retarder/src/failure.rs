@@ -24,6 +24,24 @@ use plant_sim::replay::ReplayError;
 use recording::LogError;
 use recording::csv::{CsvError, MappingError, WriteError};
 
+use crate::shell::quoted;
+
+/// Parts of the codes of errors that a mapping solves.
+const COLUMN_CODES: [&str; 12] = [
+    "-UNIT-",
+    "-HEADER",
+    "-NAME",
+    "-NO-COLUMN",
+    "-TWO-COLUMNS",
+    "-UNMAPPED",
+    "-DELIMITER",
+    "-DECIMAL",
+    "-THOUSANDS",
+    "-NO-SIGNAL",
+    "-SCALE",
+    "-MAPPED-",
+];
+
 /// Reason for a missing result.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -39,6 +57,30 @@ pub(crate) enum Failure {
     OwnProgram(io::Error),
     #[error(transparent)]
     Log(#[from] LogError),
+    #[error("{error}\n`retarder inspect {}` lists the columns and proposes a mapping", quoted(&path.display().to_string()))]
+    UnknownColumns { path: PathBuf, error: LogError },
+    #[error(
+        "{error}, or state it for the whole log: --pressure gauge, or --pressure absolute\n`retarder inspect {}` shows which one fits the values", quoted(&path.display().to_string())
+    )]
+    OpenReference { path: PathBuf, error: LogError },
+    #[error(
+        "{}: --plant expects a plant file (TOML), and this is a log. Corrected command:\n  {command}", path.display()
+    )]
+    LogAsPlant { path: PathBuf, command: String },
+    #[error(
+        "{}: a log is expected (CSV or MF4), and this is a {kind} (TOML). Corrected command:\n  {command}", path.display()
+    )]
+    TomlAsLog {
+        path: PathBuf,
+        kind: &'static str,
+        command: String,
+    },
+    #[error("-: `inspect` reads a log more than once; write it to a file first")]
+    InspectStandardInput,
+    #[error(
+        "{} and {}: the logs need different mappings; inspect them one by one", one.display(), other.display()
+    )]
+    DifferentMappings { one: PathBuf, other: PathBuf },
     #[error(transparent)]
     Mapping(#[from] MappingError),
     #[error("{error}{source_lines}")]
@@ -181,6 +223,17 @@ impl From<CsvError> for Failure {
 }
 
 impl Failure {
+    /// Creates the failure of a log that could not be read; an inspection helps with its columns.
+    pub(crate) fn of_log(path: &Path, error: LogError) -> Self {
+        let code = error.code();
+        let path = path.to_path_buf();
+        match COLUMN_CODES.iter().any(|column| code.contains(column)) {
+            _ if code.ends_with("-PRESSURE-REFERENCE") => Self::OpenReference { path, error },
+            true => Self::UnknownColumns { path, error },
+            false => Self::Log(error),
+        }
+    }
+
     /// Creates the failure of the output `path`; `None` is the standard output.
     pub(crate) fn write(path: Option<&Path>, error: impl Into<WriteError>) -> Self {
         Self::Write {

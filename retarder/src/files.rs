@@ -17,6 +17,8 @@ use crate::targets::{Existing, is_standard_output};
 
 /// Options that name a file to write; every other option with a file names one to read.
 const OUTPUTS: [&str; 3] = ["out", "html", "json"];
+/// Arguments without a name that name a log to read.
+const POSITIONAL: [&str; 2] = ["path", "paths"];
 /// Commands whose output may replace their input: command, input option and output option.
 const REPLACES_ITS_INPUT: [(&str, &str, &str); 1] = [("refine", "plant", "out")];
 /// File that the demo writes.
@@ -165,7 +167,10 @@ impl Named {
     fn new(option: &str, path: &Path, identity: Option<FileIdentity>) -> Self {
         Self {
             option: option.to_owned(),
-            label: format!("--{option}"),
+            label: match POSITIONAL.contains(&option) {
+                true => "LOG".to_owned(),
+                false => format!("--{option}"),
+            },
             path: path.to_path_buf(),
             identity,
         }
@@ -249,7 +254,9 @@ mod tests {
     use crate::cli::Cli;
 
     /// Options that name a file to read.
-    const INPUTS: [&str; 7] = [
+    const INPUTS: [&str; 9] = [
+        "path",
+        "paths",
         "log",
         "check",
         "mapping",

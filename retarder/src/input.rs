@@ -16,8 +16,10 @@ use recording::{
 use sha2::{Digest as _, Sha256};
 
 use crate::cli::{
-    Assignment, ControlArgs, ControllerArg, Freed, KnowledgeArgs, LogArgs, LogsArgs, PlantArgs,
+    Assignment, ControlArgs, ControllerArg, Freed, ImportArgs, KnowledgeArgs, LogArgs, LogsArgs,
+    PlantArgs,
 };
+use crate::exchanged;
 use crate::failure::{Failure, SourceLines};
 use report::Input;
 
@@ -49,7 +51,10 @@ impl NamedPlant {
     pub(crate) fn from_args(args: &PlantArgs, default: Self) -> Result<Self, Failure> {
         let mut plant = match &args.plant {
             None => default,
-            Some(path) => Self::read(path, PlantParameters::from_toml)?,
+            Some(path) => {
+                exchanged::refuse_as_plant(path)?;
+                Self::read(path, PlantParameters::from_toml)?
+            }
         };
         for change in &args.set {
             plant
@@ -139,14 +144,20 @@ fn identity(text: &str) -> InputFile {
 
 /// Returns the options for reading the log.
 pub(crate) fn log_options(args: &LogArgs) -> Result<LogOptions, Failure> {
-    mapped_by(args.mapping.as_deref())
+    imported_by(&args.import)
 }
 
-fn mapped_by(mapping: Option<&Path>) -> Result<LogOptions, Failure> {
+/// Returns the options for reading a log with these options of the command line.
+pub(crate) fn imported_by(import: &ImportArgs) -> Result<LogOptions, Failure> {
+    let reference = import.reference();
     Ok(LogOptions {
-        mapping: match mapping {
-            Some(path) => Mapping::read_file(path)?,
-            None => Mapping::default(),
+        mapping: match &import.mapping {
+            Some(path) => Mapping::read_file_with_reference(path, reference)?,
+            None => Mapping::default().with_reference(reference),
+        },
+        csv_limits: csv::Limits {
+            bad_rows: import.skip_bad_rows,
+            ..csv::Limits::default()
         },
         ..LogOptions::default()
     })
@@ -154,12 +165,12 @@ fn mapped_by(mapping: Option<&Path>) -> Result<LogOptions, Failure> {
 
 /// Reads the whole log.
 pub(crate) fn log(args: &LogArgs) -> Result<Recording, Failure> {
-    whole_log(&args.log, &log_options(args)?)
+    whole_log(args.log(), &log_options(args)?)
 }
 
 /// Reads several whole logs with the same mapping.
 pub(crate) fn logs(paths: &[PathBuf], args: &LogsArgs) -> Result<Vec<Recording>, Failure> {
-    let options = mapped_by(args.mapping.as_deref())?;
+    let options = imported_by(&args.import)?;
     let mut logs = paths
         .iter()
         .map(|path| whole_log(path, &options))
@@ -186,10 +197,11 @@ pub(crate) fn logs(paths: &[PathBuf], args: &LogsArgs) -> Result<Vec<Recording>,
 }
 
 fn whole_log(path: &Path, options: &LogOptions) -> Result<Recording, Failure> {
-    Ok(match is_standard_input(path) {
-        true => read_log(STANDARD_INPUT, io::stdin().lock(), options)?,
-        false => read_log_file(path, options)?,
-    })
+    if is_standard_input(path) {
+        return Ok(read_log(STANDARD_INPUT, io::stdin().lock(), options)?);
+    }
+    exchanged::refuse_as_log(path)?;
+    read_log_file(path, options).map_err(|error| Failure::of_log(path, error))
 }
 
 /// Log that is read row by row, or as a whole if its format requires that.
@@ -202,17 +214,19 @@ pub(crate) struct LogSource {
 
 /// Opens the log.
 pub(crate) fn open_source(args: &LogArgs, options: &LogOptions) -> Result<LogSource, Failure> {
-    let (name, size, log) = if is_standard_input(&args.log) {
+    let (name, size, log) = if is_standard_input(args.log()) {
         let log = open_log(STANDARD_INPUT, io::stdin().lock(), options)?;
         (STANDARD_INPUT.to_owned(), None, log)
     } else {
-        let metadata = std::fs::metadata(&args.log).map_err(|error| Failure::Read {
-            path: args.log.clone(),
+        let path = args.log();
+        exchanged::refuse_as_log(path)?;
+        let metadata = std::fs::metadata(path).map_err(|error| Failure::Read {
+            path: path.to_path_buf(),
             error,
         })?;
-        let name = args.log.file_name().unwrap_or(args.log.as_os_str());
+        let name = path.file_name().unwrap_or(path.as_os_str());
         let size = metadata.is_file().then_some(metadata.len());
-        let log = open_log_file(&args.log, options)?;
+        let log = open_log_file(path, options).map_err(|error| Failure::of_log(path, error))?;
         (name.to_string_lossy().into_owned(), size, log)
     };
     Ok(LogSource { name, log, size })
@@ -381,7 +395,7 @@ fn file_stem(path: &Path) -> String {
 /// Largest size of a plant or controller file (bytes).
 const TEXT_MAX_BYTES: u64 = 1 << 20;
 
-fn read_text(path: &Path) -> Result<String, Failure> {
+pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(TEXT_MAX_BYTES + 1).read_to_end(&mut bytes))

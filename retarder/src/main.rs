@@ -6,6 +6,7 @@
 
 mod cli;
 mod dut;
+mod exchanged;
 mod failure;
 mod files;
 mod input;
@@ -16,6 +17,7 @@ mod page;
 mod print;
 mod progress;
 mod run;
+mod shell;
 mod targets;
 mod task;
 
@@ -27,7 +29,13 @@ use cli::Cli;
 use files::Files;
 
 fn main() -> ExitCode {
-    let matches = Cli::command().get_matches();
+    let matches = match Cli::command().try_get_matches() {
+        Ok(matches) => matches,
+        Err(error) => match exchanged::explained(&error) {
+            Some(failure) => return output::exit_code(Err(failure)),
+            None => error.exit(),
+        },
+    };
     let arguments = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let files = Files::of(&Cli::command(), &matches, arguments.existing());
     let ended = task::Task::resolve(arguments, &files)

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::cli::{Assignment, Freed, LogsArgs, PlantArgs};
+use crate::cli::{Assignment, Freed, ImportArgs, LogsArgs, PlantArgs};
+use crate::shell::quoted;
 
 /// Options that name plant and logs.
 pub(crate) struct Options {
@@ -17,7 +18,8 @@ pub(crate) struct Options {
 
 impl Options {
     pub(crate) fn of(logs: &LogsArgs, plant: &PlantArgs) -> Self {
-        let mapping = paths("--mapping", logs.mapping.as_slice());
+        let mapping = import(&logs.import);
+        let given = logs.logs();
         let sets = plant.set.iter().map(|Assignment { name, value }| {
             let assignment = format!("{name}={value}");
             option("--set", &assignment)
@@ -34,9 +36,9 @@ impl Options {
         });
         Self {
             plant: paths("--plant", plant.plant.as_slice()),
-            logs: paths("--log", &logs.log) + &paths("--check", &logs.check),
-            first_log: paths("--log", &logs.log[..logs.log.len().min(1)]),
-            all_as_logs: paths("--log", &logs.log) + &paths("--log", &logs.check),
+            logs: paths("--log", &given) + &paths("--check", &logs.check),
+            first_log: paths("--log", &given[..given.len().min(1)]),
+            all_as_logs: paths("--log", &given) + &paths("--log", &logs.check),
             mapping,
             knowledge: sets.chain(freed).chain(fixed).collect(),
             needs: needs.collect(),
@@ -84,6 +86,16 @@ impl Options {
     }
 }
 
+/// Returns the options that state how a log is read.
+fn import(import: &ImportArgs) -> String {
+    let reference = import.pressure().into_iter();
+    let reference = reference.map(|reference| option("--pressure", reference));
+    let skip = Some(import.skip_bad_rows).filter(|&count| count > 0);
+    let skip = skip.map(|count| option("--skip-bad-rows", &count.to_string()));
+    let mapping = paths("--mapping", import.mapping.as_slice());
+    mapping + &reference.chain(skip).collect::<String>()
+}
+
 fn paths<P: AsRef<Path>>(name: &str, paths: &[P]) -> String {
     let options = paths.iter();
     options
@@ -93,16 +105,4 @@ fn paths<P: AsRef<Path>>(name: &str, paths: &[P]) -> String {
 
 fn option(name: &str, value: &str) -> String {
     format!(" {name} {}", quoted(value))
-}
-
-/// Quotes an argument for a shell.
-pub(crate) fn quoted(argument: &str) -> String {
-    let is_plain = argument
-        .chars()
-        .all(|character| character.is_alphanumeric() || "-_./=,:+".contains(character));
-    if is_plain && !argument.is_empty() {
-        argument.to_owned()
-    } else {
-        format!("'{}'", argument.replace('\'', "'\\''"))
-    }
 }

@@ -31,6 +31,11 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     if let (Some(path), Outcome::Estimation(estimated)) = (&targets.plant, &outcome) {
         is_taken |= write(path, existing, &estimated.estimated.plant.to_toml())?;
     }
+    if let (Some(path), Outcome::Inspection(inspected)) = (&targets.mapping, &outcome)
+        && let Some(mapping) = inspected.mapping()
+    {
+        is_taken |= write(path, existing, mapping)?;
+    }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
@@ -115,6 +120,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         }
         Outcome::Demo(_)
         | Outcome::Report(_)
+        | Outcome::Inspection(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::DeviceSettings(_)

@@ -7,13 +7,13 @@ use report::{
     PlantPart,
 };
 
-use crate::options::quoted;
 use crate::run::Outcome;
 use crate::run::compare::Compared;
 use crate::run::control::Controlled;
 use crate::run::diagnose::Diagnosed;
 use crate::run::session::Reported;
 use crate::run::thesis::Figures;
+use crate::shell::quoted;
 
 /// Commands to try after the demo, with the reason.
 pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
@@ -111,6 +111,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         | Outcome::DeviceSettings(_)
         | Outcome::DeviceSignals
         | Outcome::Measurement(_)
+        | Outcome::Inspection(_)
         | Outcome::Text(_) => return None,
     })
 }

@@ -7,6 +7,7 @@ mod demo;
 mod device;
 mod diagnosis;
 mod estimation;
+mod inspection;
 mod live;
 mod next_experiment;
 mod number;
@@ -124,6 +125,7 @@ impl Colour {
 pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal) -> String {
     let mut text = match outcome {
         Outcome::Demo(demo) => demo::demo(demo, targets, terminal),
+        Outcome::Inspection(inspected) => inspection::inspection(inspected, terminal),
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
         Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
@@ -146,6 +148,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
     };
     if !matches!(outcome, Outcome::Demo(_)) {
         let files = [
+            &targets.mapping,
             &targets.recording,
             &targets.plant,
             &targets.html,

@@ -8,6 +8,7 @@ pub(crate) mod demo;
 pub(crate) mod device;
 pub(crate) mod device_report;
 pub(crate) mod diagnose;
+pub(crate) mod inspect;
 pub(crate) mod measurement;
 pub(crate) mod next_experiment;
 mod row_output;
@@ -22,6 +23,7 @@ use crate::input::{NamedController, NamedPlant};
 /// Result of a task.
 pub(crate) enum Outcome {
     Demo(Box<demo::Demo>),
+    Inspection(inspect::Inspected),
     Simulation(simulate::Simulation),
     Comparison(Box<compare::Compared>),
     Diagnosis(Box<diagnose::Diagnosed>),
@@ -77,6 +79,7 @@ impl Outcome {
             Self::Control(controlled) => Answer::of(controlled.holds()),
             Self::Report(reported) => reported.answer(),
             Self::Measurement(measurement) => measurement.answer(),
+            Self::Inspection(inspected) => inspected.answer(),
             Self::Thesis(figures) => Answer::of(figures.table.holds),
             Self::ThesisExplanation(explained) => Answer::of(explained.explanation.brings_in()),
             Self::Demo(_)

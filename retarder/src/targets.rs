@@ -13,6 +13,8 @@ pub(crate) struct Targets {
     pub(crate) recording: Option<PathBuf>,
     /// The refined plant file.
     pub(crate) plant: Option<PathBuf>,
+    /// Mapping of the columns of a log.
+    pub(crate) mapping: Option<PathBuf>,
     pub(crate) existing: Existing,
 }
 

@@ -14,9 +14,9 @@ use plant_sim::parameters::{NOMINAL_PLANT_TOML, Part};
 use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
-    BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, DiagnoseArgs, LogsArgs,
-    NextExperimentArgs, ParametersArgs, PlantArgs, RefineArgs, ReportArgs, SchemaName,
-    SimulateArgs, TabArgs,
+    BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, DiagnoseArgs,
+    InspectArgs, LogsArgs, NextExperimentArgs, ParametersArgs, PlantArgs, RefineArgs, ReportArgs,
+    SchemaName, SimulateArgs, TabArgs,
 };
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
@@ -35,6 +35,7 @@ pub(crate) struct Task {
 
 enum Work {
     Demo,
+    Inspect(InspectArgs),
     Simulate(run::simulate::Task),
     Compare {
         plant: NamedPlant,
@@ -76,6 +77,10 @@ impl Task {
             None => {
                 targets.html = Some(DEMO_REPORT.into());
                 Work::Demo
+            }
+            Some(Command::Inspect(args)) => {
+                targets.mapping.clone_from(&args.out);
+                Work::Inspect(args)
             }
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
             Some(Command::Compare(args)) => compare(args, &mut targets)?,
@@ -151,8 +156,17 @@ impl Task {
     }
 
     /// Runs the task.
-    pub(crate) fn run(self) -> Result<(Outcome, Targets), Failure> {
+    pub(crate) fn run(mut self) -> Result<(Outcome, Targets), Failure> {
         let outcome = match self.work {
+            Work::Inspect(args) => {
+                let inspected = run::inspect::run(args)?;
+                // A log that needs no mapping leaves no file.
+                self.targets.mapping = self
+                    .targets
+                    .mapping
+                    .filter(|_| inspected.mapping().is_some());
+                Outcome::Inspection(inspected)
+            }
             Work::Demo => Outcome::Demo(Box::new(run::demo::run()?)),
             Work::Simulate(task) => Outcome::Simulation(run::simulate::run(task)?),
             Work::Compare {
@@ -300,7 +314,7 @@ fn to_explain(logs: &LogsArgs, plant: &PlantArgs) -> Result<run::diagnose::Task,
     let plant_as_given = NamedPlant::from_args(plant, NamedPlant::nominal())?;
     let task = run::diagnose::Task {
         plant: plant_as_given.knowing(&logs.knowledge)?,
-        logs: input::logs(&logs.log, logs)?,
+        logs: input::logs(&logs.logs(), logs)?,
         check: input::logs(&logs.check, logs)?,
         options: Options::of(logs, plant),
     };

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Excerpt;
-use super::header::parse_unit;
+use super::header::{Reference, parse_unit};
 use super::mapping_error::{AtSpan, MappingProblem};
 use crate::bounds::Allowed;
 use crate::name::{check_name, is_time_column};
@@ -80,12 +80,13 @@ pub(super) fn resolve_window(raw: WindowToml) -> Result<Window, AtSpan> {
 
 pub(super) fn resolve_constants(
     raw: BTreeMap<Spanned<String>, ConstantToml>,
+    reference: Reference,
 ) -> Result<BTreeMap<String, Constant>, AtSpan> {
     let mut constants = BTreeMap::new();
     for (name, constant) in raw {
         let (span, name) = (name.span(), name.into_inner());
         check_name(&name).map_err(|problem| (span.clone(), MappingProblem::Name(problem)))?;
-        let unit = parse_unit(constant.unit.get_ref()).map_err(|problem| {
+        let unit = parse_unit(constant.unit.get_ref(), reference).map_err(|problem| {
             let problem = format!("{problem}; {}", problem.next_step());
             (constant.unit.span(), MappingProblem::Unit(problem))
         })?;

@@ -1,6 +1,8 @@
+use std::borrow::Cow;
 use std::fmt;
 
 use super::Decimal;
+use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
 use super::number::{Evidence, evidence};
 use super::problem::Problem;
@@ -50,6 +52,8 @@ pub struct Dialect {
     pub header: bool,
     /// Whether a row of units follows the header.
     pub units_row: bool,
+    /// Encoding of the text.
+    pub encoding: Encoding,
     /// Whether the file begins with the UTF-8 byte order mark.
     pub byte_order_mark: bool,
 }
@@ -76,33 +80,42 @@ impl fmt::Display for Dialect {
         if self.byte_order_mark {
             f.write_str(", byte order mark")?;
         }
+        if self.encoding != Encoding::Utf8 {
+            write!(f, ", {}", self.encoding)?;
+        }
         Ok(())
     }
 }
 
-/// Refuses a file that is not UTF-8 text with line feeds, judged by its head.
-pub(super) fn check_encoding(head: &[u8]) -> Result<(), Located> {
-    let utf16 = "UTF-16 (Excel's \"Unicode text\")";
-    let guess = match head {
-        [] => return Err((Place::default(), Problem::Empty)),
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => utf16,
-        [b'P', b'K', 3, 4, ..] => "a ZIP archive, such as an Excel workbook",
-        [b'M', b'D', b'F', b' ', ..] => "an MDF measurement file",
-        [_, 0, _, 0, ..] | [0, _, 0, _, ..] => utf16,
-        _ if head.contains(&0) => "binary data (a zero byte)",
-        _ => {
-            // The line feed of a carriage return at the end may be beyond the head.
-            let bare_returns =
-                memchr::memchr(b'\n', head).is_none() && head[..head.len() - 1].contains(&b'\r');
-            return if bare_returns {
-                Err((Place::line(1), Problem::LineEnd))
-            } else {
-                Ok(())
-            };
-        }
+/// Returns the encoding of a file, and its head as UTF-8; refuses one that is no text with line feeds, judged by its
+/// head.
+pub(super) fn check_encoding(head: &[u8]) -> Result<(Encoding, Cow<'_, [u8]>), Located> {
+    let refused = |guess| {
+        let problem = Problem::Encoding {
+            guess,
+            is_text: false,
+        };
+        Err((Place::default(), problem))
     };
-    let is_text = guess == utf16;
-    Err((Place::default(), Problem::Encoding { guess, is_text }))
+    match head {
+        [] => return Err((Place::default(), Problem::Empty)),
+        [b'P', b'K', 3, 4, ..] => return refused("a ZIP archive, such as an Excel workbook"),
+        [b'M', b'D', b'F', b' ', ..] => return refused("an MDF measurement file"),
+        _ => {}
+    }
+    let encoding = Encoding::of_head(head);
+    let text = encoding.decoded(head);
+    let Some((_, before)) = text.split_last() else {
+        return Err((Place::default(), Problem::Empty));
+    };
+    if text.contains(&0) {
+        return refused("binary data (a zero byte)");
+    }
+    // The line feed of a carriage return at the end may be beyond the head.
+    if memchr::memchr(b'\n', &text).is_none() && before.contains(&b'\r') {
+        return Err((Place::line(1), Problem::LineEnd));
+    }
+    Ok((encoding, text))
 }
 
 /// Returns the delimiter: the first of tab, semicolon and comma that occurs outside quotes in the first record.

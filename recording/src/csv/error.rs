@@ -101,7 +101,7 @@ impl fmt::Display for Excerpt {
 }
 
 impl CsvError {
-    pub(super) fn new(source_name: &str, place: Place, problem: Problem) -> Self {
+    pub(crate) fn new(source_name: &str, place: Place, problem: Problem) -> Self {
         Self(Box::new(Details {
             source_name: source_name.to_owned(),
             place,
@@ -132,6 +132,11 @@ impl CsvError {
     /// Returns the problem.
     pub fn problem(&self) -> &Problem {
         &self.0.problem
+    }
+
+    /// Returns whether the problem concerns one row, which [`Limits::bad_rows`](super::Limits::bad_rows) can skip.
+    pub fn is_of_row(&self) -> bool {
+        self.problem().is_of_row()
     }
 
     /// Returns whether a budget was exceeded, which the caller may raise.

@@ -3,8 +3,11 @@
 use super::error::Excerpt;
 use super::number::is_number_like;
 use super::problem::Problem;
-use crate::Unit;
 use crate::name::check_name;
+use crate::{PressureReference, Unit};
+
+/// Reference of a pressure whose unit states none, such as `bar`; `None` where nobody stated it.
+pub(crate) type Reference = Option<PressureReference>;
 
 /// Columns with the state of a valve, 0 or 1, and the duty cycles that these are.
 const STATES: [(&str, &str); 2] = [("state_fill", "duty_fill"), ("state_vent", "duty_vent")];
@@ -17,25 +20,29 @@ pub(crate) struct Heading {
 }
 
 /// Parses a header field that contains its unit.
-pub(crate) fn parse_heading(field: &str) -> Result<Heading, Problem> {
+pub(crate) fn parse_heading(field: &str, reference: Reference) -> Result<Heading, Problem> {
     let field = without_formula_guard(field);
     let (name, unit) = match bracketed(field) {
         _ if let Some((_, duty)) = STATES.iter().find(|(state, _)| *state == field) => {
             (*duty, Unit::Fraction)
         }
-        Some((name, unit)) => (name, parse_unit(unit)?),
-        None => suffixed(field)?,
+        Some((name, unit)) => (name, parse_unit(unit, reference)?),
+        None => suffixed(field, reference)?,
     };
     named(name, field, unit)
 }
 
 /// Parses a header field above a units row; both may contain the unit if they agree.
-pub(super) fn parse_heading_over_unit(field: &str, unit: &str) -> Result<Heading, Problem> {
+pub(crate) fn parse_heading_over_unit(
+    field: &str,
+    unit: &str,
+    reference: Reference,
+) -> Result<Heading, Problem> {
     if unit.is_empty() {
-        return parse_heading(field);
+        return parse_heading(field, reference);
     }
-    let unit = parse_unit(unit)?;
-    match parse_heading(field) {
+    let unit = parse_unit(unit, reference)?;
+    match parse_heading(field, reference) {
         Ok(heading) if heading.unit == unit => Ok(heading),
         Ok(heading) => Err(Problem::UnitConflict {
             header: heading.unit,
@@ -54,18 +61,19 @@ pub(super) fn is_units_row<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
             return false;
         }
         has_unit |= !matches!(
-            parse_unit(field),
+            parse_unit(field, None),
             Err(Problem::UnitUnknown { meant: None, .. })
         );
     }
     has_unit
 }
 
-/// Parses a unit of a mapping or a units row.
-pub(crate) fn parse_unit(text: &str) -> Result<Unit, Problem> {
+/// Parses a unit of a mapping or a units row. A unit that states its reference keeps it.
+pub(crate) fn parse_unit(text: &str, reference: Reference) -> Result<Unit, Problem> {
     let text = unwrapped(text);
-    Unit::parse(text).ok_or_else(|| {
-        if is_pressure_without_reference(text) {
+    let unit = Unit::parse(text).or_else(|| with_reference(text, reference?));
+    unit.ok_or_else(|| {
+        if with_reference(text, PressureReference::Gauge).is_some() {
             return Problem::PressureReference {
                 found: Excerpt::of(text),
             };
@@ -85,7 +93,7 @@ pub(super) fn format_heading(name: &str, unit: Unit) -> String {
         unit,
     };
     let suffixed = guarded(format!("{name}_{}", unit.token()));
-    if parse_heading(&suffixed).is_ok_and(|read| read == heading) {
+    if parse_heading(&suffixed, None).is_ok_and(|read| read == heading) {
         return suffixed;
     }
     guarded(format!("{name} [{}]", unit.token()))
@@ -135,7 +143,7 @@ fn bracketed(field: &str) -> Option<(&str, &str)> {
 }
 
 /// Splits off the longest suffix that is a unit; at least one character remains for the name.
-fn suffixed(field: &str) -> Result<(&str, Unit), Problem> {
+fn suffixed(field: &str, reference: Reference) -> Result<(&str, Unit), Problem> {
     for (at, _) in field.match_indices('_').filter(|&(at, _)| at > 0) {
         let suffix = &field[at + 1..];
         // `x_1` is a name and not a fraction.
@@ -145,12 +153,21 @@ fn suffixed(field: &str) -> Result<(&str, Unit), Problem> {
             return Ok((&field[..at], unit));
         }
     }
+    if let Some(reference) = reference {
+        let places = field.match_indices('_').filter(|&(at, _)| at > 0);
+        let mut found = places.filter_map(|(at, _)| {
+            Some((&field[..at], with_reference(&field[at + 1..], reference)?))
+        });
+        if let Some(found) = found.next() {
+            return Ok(found);
+        }
+    }
     // No unit was found; the suffix may be similar to one, such as `kpa_abs` or `bar`.
     let suffixes = field
         .match_indices('_')
         .filter(|&(at, _)| at > 0)
         .map(|(at, _)| &field[at + 1..]);
-    let nearly = suffixes.filter_map(|suffix| parse_unit(suffix).err());
+    let nearly = suffixes.filter_map(|suffix| parse_unit(suffix, None).err());
     let missing = || Problem::UnitMissing {
         found: Excerpt::of(field),
     };
@@ -169,8 +186,15 @@ fn unwrapped(text: &str) -> &str {
         .trim()
 }
 
-fn is_pressure_without_reference(text: &str) -> bool {
-    Unit::parse(&format!("{text}_gauge")).is_some()
+/// Returns the unit of a pressure that states no reference, such as `bar`, with this one.
+pub(crate) fn with_reference(text: &str, reference: PressureReference) -> Option<Unit> {
+    Unit::parse(&format!(
+        "{text}_{}",
+        match reference {
+            PressureReference::Gauge => "gauge",
+            PressureReference::Absolute => "abs",
+        }
+    ))
 }
 
 #[cfg(test)]
@@ -181,7 +205,7 @@ mod tests {
     fn the_longest_suffix_that_is_a_unit_is_the_unit() {
         let check = |field: &str, name: &str, unit| {
             assert_eq!(
-                parse_heading(field).unwrap(),
+                parse_heading(field, None).unwrap(),
                 Heading {
                     name: name.to_owned(),
                     unit
@@ -205,7 +229,7 @@ mod tests {
 
     #[test]
     fn headings_without_a_usable_unit_say_what_is_wrong() {
-        let code = |field: &str| parse_heading(field).unwrap_err().code();
+        let code = |field: &str| parse_heading(field, None).unwrap_err().code();
         for field in ["p_ch", "pressure", "x_1", "", "s", "_mA"] {
             assert_eq!(code(field), "E-CSV-UNIT-MISSING", "{field}");
         }
@@ -215,9 +239,26 @@ mod tests {
         for field in ["i_fill_MA", "p_ch_kpa_abs", "p_ch [furlong]"] {
             assert_eq!(code(field), "E-CSV-UNIT-UNKNOWN", "{field}");
         }
-        let meant = parse_heading("p_ch_kpa_abs").unwrap_err().next_step();
+        let meant = parse_heading("p_ch_kpa_abs", None).unwrap_err().next_step();
         assert_eq!(meant, "write kPa_abs");
         assert_eq!(code(" [mA]"), "E-CSV-NAME");
+    }
+
+    #[test]
+    fn a_given_reference_completes_a_pressure_and_overrides_none() {
+        let unit = |field: &str, reference| parse_heading(field, Some(reference)).unwrap().unit;
+        let (gauge, absolute) = (PressureReference::Gauge, PressureReference::Absolute);
+        for field in ["p_ch_bar", "p_ch [bar]", "p_ch (bar)"] {
+            assert_eq!(unit(field, gauge), Unit::BarGauge, "{field}");
+            assert_eq!(unit(field, absolute), Unit::BarAbsolute, "{field}");
+        }
+        assert_eq!(unit("p_ch_hPa", absolute), Unit::MillibarAbsolute);
+        assert_eq!(unit("p_ch_bar_abs", gauge), Unit::BarAbsolute);
+        assert_eq!(unit("p_ch [barg]", absolute), Unit::BarGauge);
+        assert_eq!(unit("dp_bar_diff", gauge), Unit::BarDifference);
+        assert_eq!(unit("i_fill_mA", gauge), Unit::Milliampere);
+        let name = parse_heading("p_ch_bar", Some(gauge)).unwrap().name;
+        assert_eq!(name, "p_ch");
     }
 
     #[test]
@@ -230,7 +271,7 @@ mod tests {
             for unit in Unit::all() {
                 let heading = format_heading(name, unit);
                 assert_eq!(
-                    parse_heading(&heading).unwrap(),
+                    parse_heading(&heading, None).unwrap(),
                     Heading {
                         name: name.to_owned(),
                         unit

@@ -11,6 +11,8 @@ pub struct Limits {
     pub columns: usize,
     /// Number of samples per signal; default 10⁸.
     pub samples: u64,
+    /// Number of rows that cannot be accepted and are skipped and listed; default 0.
+    pub bad_rows: u64,
 }
 
 impl Default for Limits {
@@ -21,6 +23,7 @@ impl Default for Limits {
             field_bytes: 64 << 10,
             columns: 4096,
             samples: 100_000_000,
+            bad_rows: 0,
         }
     }
 }

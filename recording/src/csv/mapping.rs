@@ -11,11 +11,14 @@ use super::complement::{
     Constant, ConstantToml, Window, WindowToml, resolve_constants, resolve_window,
 };
 use super::error::Excerpt;
-use super::header::parse_unit;
+use super::header::{Reference, parse_unit};
 use super::mapping_error::{AtSpan, BYTES_MAX, MappingError, MappingProblem};
 use super::{Decimal, Delimiter};
 use crate::name::{check_name, is_time_column};
-use crate::{Quantity, Unit};
+use crate::{PressureReference, Quantity, Unit};
+
+/// Word in place of the unit of a time column with dates or times of day.
+pub(crate) const CLOCK: &str = "clock";
 
 /// Columns, units and dialect of files that do not define them. Read from TOML:
 ///
@@ -33,7 +36,7 @@ use crate::{Quantity, Unit};
 ///
 ///     [time]
 ///     column = "Zeit"
-///     unit = "us"
+///     unit = "us"                       # or "clock": dates or times of day, such as 23.11.2026 14:05:06,125
 ///     thousands_separator = "."
 ///
 ///     [signal.p_ch]
@@ -64,6 +67,8 @@ use crate::{Quantity, Unit};
 /// time is that of the group. Columns that are neither mapped nor ignored are interpreted by their header, or refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mapping {
+    /// Reference of pressures whose unit states none.
+    pub(crate) reference: Reference,
     pub(crate) delimiter: Option<Delimiter>,
     pub(crate) decimal: Option<Decimal>,
     pub(crate) header: Option<bool>,
@@ -88,6 +93,16 @@ pub(crate) enum ColumnKey {
     Header(String),
 }
 
+impl ColumnKey {
+    /// Returns whether this is the column with that number, from 1, and header field.
+    pub(crate) fn is(&self, number: u32, header: &str) -> bool {
+        match self {
+            Self::Number(wanted) => *wanted == number,
+            Self::Header(wanted) => wanted == header,
+        }
+    }
+}
+
 /// Mapping of one column.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MappedColumn {
@@ -97,6 +112,8 @@ pub(crate) struct MappedColumn {
     pub(crate) offset: f64,
     pub(crate) thousands: Option<char>,
     pub(crate) check_scale: bool,
+    /// Whether the column has dates or times of day; its unit is then the second.
+    pub(crate) is_clock: bool,
 }
 
 #[derive(Deserialize)]
@@ -154,6 +171,27 @@ impl Mapping {
     /// # Errors
     /// Returns a [`MappingError`] with file, line and column.
     pub fn parse(source_name: &str, text: &str) -> Result<Self, MappingError> {
+        Self::parse_with_reference(source_name, text, None)
+    }
+
+    /// Returns the mapping with the reference of pressures whose unit in the log states none, such as `bar`. A unit
+    /// that states its reference keeps it.
+    #[must_use]
+    pub fn with_reference(mut self, reference: Option<PressureReference>) -> Self {
+        self.reference = reference;
+        self
+    }
+
+    /// Parses the TOML text of the mapping file `source_name`, with the reference of pressures whose unit, in the
+    /// mapping or in the log, states none.
+    ///
+    /// # Errors
+    /// Returns a [`MappingError`] with file, line and column.
+    pub fn parse_with_reference(
+        source_name: &str,
+        text: &str,
+        reference: Option<PressureReference>,
+    ) -> Result<Self, MappingError> {
         let error = |span: Option<Range<usize>>, problem| {
             MappingError::new(source_name, text, span, problem)
         };
@@ -166,7 +204,7 @@ impl Mapping {
                 MappingProblem::Toml(failure.message().to_owned()),
             )
         })?;
-        resolve(raw).map_err(|(span, problem)| error(Some(span), problem))
+        resolve(raw, reference).map_err(|(span, problem)| error(Some(span), problem))
     }
 
     /// Reads a mapping from a TOML file.
@@ -174,6 +212,18 @@ impl Mapping {
     /// # Errors
     /// Returns a [`MappingError`] with file, line and column.
     pub fn read_file(path: impl AsRef<Path>) -> Result<Self, MappingError> {
+        Self::read_file_with_reference(path, None)
+    }
+
+    /// Reads a mapping from a TOML file, with the reference of pressures whose unit, in the mapping or in the log,
+    /// states none.
+    ///
+    /// # Errors
+    /// Returns a [`MappingError`] with file, line and column.
+    pub fn read_file_with_reference(
+        path: impl AsRef<Path>,
+        reference: Option<PressureReference>,
+    ) -> Result<Self, MappingError> {
         let path = path.as_ref();
         let source_name = path.display().to_string();
         let error = |problem| MappingError::new(&source_name, "", None, problem);
@@ -185,11 +235,11 @@ impl Mapping {
             &mut text,
         )
         .map_err(|failure| error(MappingProblem::Io(failure)))?;
-        Self::parse(&source_name, &text)
+        Self::parse_with_reference(&source_name, &text, reference)
     }
 }
 
-fn resolve(mut raw: MappingToml) -> Result<Mapping, AtSpan> {
+fn resolve(mut raw: MappingToml, reference: Reference) -> Result<Mapping, AtSpan> {
     if *raw.schema.get_ref() != 1 {
         return Err((
             raw.schema.span(),
@@ -213,7 +263,7 @@ fn resolve(mut raw: MappingToml) -> Result<Mapping, AtSpan> {
     )?;
     let time = raw
         .time
-        .map(|column| resolve_column(column, decimal))
+        .map(|column| resolve_time(column, decimal))
         .transpose()?;
     if let Some((_, unit_span)) = time
         .as_ref()
@@ -225,13 +275,14 @@ fn resolve(mut raw: MappingToml) -> Result<Mapping, AtSpan> {
     for (name, column) in raw.signal {
         let (span, name) = (name.span(), name.into_inner());
         check_name(&name).map_err(|problem| (span.clone(), MappingProblem::Name(problem)))?;
-        let (column, _) = resolve_column(column, decimal)?;
+        let (column, _) = resolve_column(column, decimal, reference)?;
         if is_time_column(&name, column.unit) {
             return Err((span, MappingProblem::TimeAsSignal));
         }
         signals.insert(name, column);
     }
     Ok(Mapping {
+        reference,
         delimiter,
         decimal,
         header: raw.dialect.header,
@@ -241,21 +292,41 @@ fn resolve(mut raw: MappingToml) -> Result<Mapping, AtSpan> {
         missing: raw.missing,
         time: time.map(|(column, _)| column),
         signals,
-        constants: resolve_constants(raw.constant)?,
+        constants: resolve_constants(raw.constant, reference)?,
         instants_of: raw.rows.instants_of.take(),
         rows: resolve_window(raw.rows)?,
     })
 }
 
+/// Resolves the time column, which may have a clock in place of a unit.
+fn resolve_time(
+    mut raw: ColumnToml,
+    decimal: Option<Decimal>,
+) -> Result<(MappedColumn, Range<usize>), AtSpan> {
+    if raw.unit.get_ref() != CLOCK {
+        return resolve_column(raw, decimal, None);
+    }
+    raw.unit = Spanned::new(raw.unit.span(), Unit::Second.token().to_owned());
+    let (column, span) = resolve_column(raw, decimal, None)?;
+    let column = MappedColumn {
+        is_clock: true,
+        // A clock has no unit that could be wrong.
+        check_scale: false,
+        ..column
+    };
+    Ok((column, span))
+}
+
 fn resolve_column(
     raw: ColumnToml,
     decimal: Option<Decimal>,
+    reference: Reference,
 ) -> Result<(MappedColumn, Range<usize>), AtSpan> {
     if *raw.column.get_ref() == ColumnKey::Number(0) {
         return Err((raw.column.span(), MappingProblem::ColumnZero));
     }
     let unit_span = raw.unit.span();
-    let unit = parse_unit(raw.unit.get_ref()).map_err(|problem| {
+    let unit = parse_unit(raw.unit.get_ref(), reference).map_err(|problem| {
         (
             unit_span.clone(),
             MappingProblem::Unit(format!("{problem}; {}", problem.next_step())),
@@ -286,6 +357,7 @@ fn resolve_column(
         offset: number(raw.offset, 0.0, true)?,
         thousands,
         check_scale: raw.check_scale,
+        is_clock: false,
     };
     Ok((column, unit_span))
 }

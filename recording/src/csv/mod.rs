@@ -3,8 +3,10 @@
 //! [`read_file`] creates a [`Recording`](crate::Recording); [`Reader`] returns one row after the other in bounded
 //! memory; [`Writer`] writes rows. A [`Mapping`] describes files that do not describe themselves.
 
+mod clock;
 pub(crate) mod complement;
 mod dialect;
+mod encoding;
 mod error;
 pub(crate) mod header;
 mod limits;
@@ -17,9 +19,11 @@ mod problem;
 mod reader;
 mod record;
 mod row;
+pub(crate) mod survey;
 pub(crate) mod writer;
 
 pub use dialect::{Delimiter, Dialect};
+pub use encoding::Encoding;
 pub use error::{CsvError, Excerpt, Place};
 pub use limits::Limits;
 pub use mapping::Mapping;

@@ -3,6 +3,7 @@
 use std::io::{self, Read};
 
 use super::dialect::{DecimalVote, check_encoding, find_delimiter};
+use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
 use super::header::is_units_row;
 use super::number;
@@ -28,13 +29,13 @@ impl Opening {
     pub(super) fn read(input: &mut impl Read, options: &Options) -> Result<Self, Located> {
         let (bytes, is_all) = read_head(input, options.limits)
             .map_err(|error| (Place::default(), Problem::Io(error)))?;
-        check_encoding(&bytes)?;
+        let (encoding, text) = check_encoding(&bytes)?;
         let delimiter = match options.mapping.delimiter {
             Some(delimiter) => delimiter,
-            None => find_delimiter(&bytes, options.mapping.skip_lines)?,
+            None => find_delimiter(&text, options.mapping.skip_lines)?,
         };
         let sample = Sample {
-            bytes: &bytes,
+            bytes: &text,
             is_all,
             delimiter,
             options,
@@ -52,8 +53,10 @@ impl Opening {
             decimal,
             header: head.is_header,
             units_row,
+            encoding,
             byte_order_mark: bytes.starts_with(BYTE_ORDER_MARK),
         };
+        drop(text);
         Ok(Self {
             head: bytes,
             dialect,
@@ -65,7 +68,7 @@ impl Opening {
 
 /// Reads enough of the file to decide on its dialect: one head, and more only if the head contains fewer than two
 /// lines.
-fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool)> {
+pub(super) fn read_head(input: &mut impl Read, limits: Limits) -> io::Result<(Vec<u8>, bool)> {
     let mut head = Vec::new();
     let mut wanted = HEAD_BYTES;
     loop {
@@ -92,7 +95,12 @@ struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     fn records(&self) -> Records<&'a [u8]> {
-        Records::new(self.bytes, self.delimiter, self.options.limits)
+        Records::new(
+            self.bytes,
+            Encoding::Utf8,
+            self.delimiter,
+            self.options.limits,
+        )
     }
 
     fn is_cut(&self, record: Record<'_>) -> bool {

@@ -32,6 +32,7 @@ pub(super) struct FieldPlan {
     pub(super) linear: Option<(f64, f64)>,
     pub(super) thousands: Option<char>,
     pub(super) check_scale: bool,
+    pub(super) is_clock: bool,
 }
 
 impl FieldPlan {
@@ -43,6 +44,7 @@ impl FieldPlan {
             linear: None,
             thousands: None,
             check_scale: true,
+            is_clock: false,
         }
     }
 
@@ -52,6 +54,7 @@ impl FieldPlan {
             linear: (linear != (1.0, 0.0)).then_some(linear),
             thousands: column.thousands,
             check_scale: column.check_scale,
+            is_clock: column.is_clock,
             ..Self::plain(field, name.to_owned(), column.unit)
         }
     }
@@ -177,8 +180,8 @@ pub(super) fn resolve(head: &Head, mapping: &Mapping) -> Result<Plan, Located> {
             }));
         }
         let heading = match head.units.as_ref() {
-            Some(_) => parse_heading_over_unit(text, unit),
-            None => parse_heading(text),
+            Some(_) => parse_heading_over_unit(text, unit, mapping.reference),
+            None => parse_heading(text, mapping.reference),
         };
         let heading = heading.map_err(at_field)?;
         let column = FieldPlan::plain(field, heading.name, heading.unit);

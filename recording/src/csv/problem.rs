@@ -32,7 +32,7 @@ pub enum Problem {
     ReadAfterError,
     /// The file has no record.
     Empty,
-    /// The file is not UTF-8.
+    /// The file is no text in a known encoding.
     Encoding {
         /// Probable encoding.
         guess: &'static str,
@@ -158,6 +158,11 @@ pub enum Problem {
         /// Decimal separator of this file.
         decimal: char,
     },
+    /// A time column of clock times has another text.
+    NotAClock {
+        /// Text of the field.
+        found: Excerpt,
+    },
     /// A number is NaN, infinite, or too large for a 64-bit float.
     NotFinite {
         /// Text of the field.
@@ -210,6 +215,24 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// Returns whether the problem concerns one row, without which the others can be read.
+    pub(super) fn is_of_row(&self) -> bool {
+        matches!(
+            self,
+            Self::Ragged { .. }
+                | Self::Truncated { .. }
+                | Self::Unmapped { .. }
+                | Self::NotANumber { .. }
+                | Self::NotAClock { .. }
+                | Self::NotFinite { .. }
+                | Self::Thousands { .. }
+                | Self::TimeMissing
+                | Self::TimeOrder { .. }
+                | Self::TimeBounds { .. }
+                | Self::Implausible(Implausible::DutyRange { .. })
+        )
+    }
+
     /// Returns the stable code.
     pub fn code(&self) -> &'static str {
         match self {
@@ -245,6 +268,7 @@ impl Problem {
             Self::Ragged { .. } => "E-CSV-RAGGED",
             Self::Truncated { .. } => "E-CSV-TRUNCATED",
             Self::NotANumber { .. } => "E-CSV-NUMBER",
+            Self::NotAClock { .. } => "E-CSV-CLOCK",
             Self::NotFinite { .. } => "E-CSV-NOT-FINITE",
             Self::Thousands { .. } => "E-CSV-THOUSANDS",
             Self::DecimalAmbiguous { .. } => "E-CSV-DECIMAL-AMBIGUOUS",
@@ -329,6 +353,9 @@ impl Problem {
             Self::NotANumber { .. } => {
                 "correct the field, leave it empty if the sample is missing, or list the word under `missing` in a mapping"
             }
+            Self::NotAClock { .. } => {
+                "correct the field; a date has the form 23.11.2026 or 2026-11-23, and every row has the form of the first"
+            }
             Self::NotFinite { .. } => {
                 "leave the field empty, or list the word under `missing` in a mapping"
             }
@@ -380,7 +407,12 @@ impl fmt::Display for Problem {
             Self::Io(error) => write!(f, "{error}"),
             Self::ReadAfterError => write!(f, "an error came before, its rest was not read"),
             Self::Empty => write!(f, "there is nothing in it, expected a header and rows"),
-            Self::Encoding { guess, .. } => write!(f, "found {guess}, expected UTF-8"),
+            Self::Encoding { guess, .. } => {
+                write!(
+                    f,
+                    "found {guess}, expected text in UTF-8, UTF-16 or Windows-1252"
+                )
+            }
             Self::LineEnd => write!(
                 f,
                 "lines end with a bare carriage return, expected a line feed"
@@ -468,6 +500,10 @@ impl fmt::Display for Problem {
                     "found {found}, expected a number with the decimal separator {decimal:?}"
                 )
             }
+            Self::NotAClock { found } => write!(
+                f,
+                "found {found}, expected a date with a time or a time of day, such as 23.11.2026 14:05:06,125"
+            ),
             Self::NotFinite { found } => write!(f, "found {found}, expected a finite number"),
             Self::Thousands { found } => write!(
                 f,

@@ -2,6 +2,7 @@ use std::fs::File;
 use std::io::{Chain, Cursor, Read};
 use std::path::Path;
 
+use super::encoding::Encoding;
 use super::error::{CsvError, Located, Place};
 use super::opening::Opening;
 use super::plan::Plan;
@@ -9,7 +10,8 @@ use super::problem::Problem;
 use super::record::Records;
 use super::row::RowParser;
 use super::{Dialect, Limits, Mapping};
-use crate::{Note, OutOfBounds, Provenance, Recording, TimeBase, Unit};
+use crate::provenance::READER_NOTE;
+use crate::{Note, OutOfBounds, Provenance, Recording, SkippedRow, TimeBase, Unit};
 
 /// Options for reading a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,6 +39,8 @@ pub struct Reader<R: Read> {
     dialect: Dialect,
     columns: Vec<Column>,
     rows: RowParser,
+    bad_rows: u64,
+    skipped: Vec<SkippedRow>,
     state: State,
 }
 
@@ -82,7 +86,7 @@ impl<R: Read> Reader<R> {
             header_records,
         } = Opening::read(&mut input, options).map_err(fail)?;
         let input = Cursor::new(head).chain(input);
-        let mut records = Records::new(input, dialect.delimiter, options.limits);
+        let mut records = Records::new(input, dialect.encoding, dialect.delimiter, options.limits);
         records
             .skip(options.mapping.skip_lines, header_records)
             .map_err(fail)?;
@@ -104,6 +108,8 @@ impl<R: Read> Reader<R> {
             dialect,
             columns,
             rows,
+            bad_rows: options.limits.bad_rows,
+            skipped: Vec::new(),
             state: State::Reading,
         })
     }
@@ -156,17 +162,29 @@ impl<R: Read> Reader<R> {
         self.rows.out_of_bounds()
     }
 
+    /// Returns the rows skipped so far.
+    pub fn skipped_rows(&self) -> &[SkippedRow] {
+        &self.skipped
+    }
+
     /// Returns source, notes, and the size and hash of the data read so far: of the whole file once it has ended.
     pub fn provenance(&mut self) -> Provenance {
-        let (producer, notes): (Vec<Note>, _) = self
+        let (producer, notes): (Vec<Note>, Vec<Note>) = self
             .records
             .take_notes()
             .into_iter()
             .partition(|note| note.key == "producer");
+        let mut notes = notes;
+        if self.dialect.encoding != Encoding::Utf8 {
+            notes.push(Note {
+                key: READER_NOTE.to_owned(),
+                value: format!("the text is {}; it was decoded", self.dialect.encoding),
+            });
+        }
         Provenance {
             source: self.source_name.clone(),
             producer: producer.into_iter().next().map(|note| note.value),
-            start: None,
+            start: self.rows.start(),
             notes,
             input: Some(self.records.input_file()),
         }
@@ -174,8 +192,23 @@ impl<R: Read> Reader<R> {
 
     fn advance(&mut self) -> Result<bool, Located> {
         while let Some(record) = self.records.next()? {
-            if self.rows.parse(record, &self.plan)? {
-                return Ok(true);
+            let line = record.line;
+            match self.rows.parse(record, &self.plan) {
+                Ok(true) => return Ok(true),
+                Ok(false) => {}
+                Err((place, problem)) => {
+                    let is_skipped = (self.skipped.len() as u64) < self.bad_rows;
+                    if !is_skipped || !problem.is_of_row() {
+                        return Err((place, problem));
+                    }
+                    let column = place.column;
+                    let column =
+                        column.map_or_else(String::new, |column| format!("column {column}: "));
+                    self.skipped.push(SkippedRow {
+                        line,
+                        reason: format!("{column}{problem}"),
+                    });
+                }
             }
         }
         self.rows.finish(&self.plan)?;
@@ -209,6 +242,9 @@ pub fn read<R: Read>(
         recording
             .add_signal(column.name.clone(), column.unit, time_base, samples)
             .expect("the reader refuses names that are taken or impossible, and values that are infinite");
+    }
+    for row in reader.skipped_rows() {
+        recording.add_skipped_row(row.clone());
     }
     for cells in reader.out_of_bounds() {
         recording.add_out_of_bounds(cells.clone());

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use csv_core::ReadRecordResult;
 use sha2::{Digest, Sha256};
 
+use super::encoding::{Decoding, Encoding};
 use super::error::{Located, Place};
 use super::problem::{Budget, Problem};
 use super::{Delimiter, Limits};
@@ -21,6 +22,7 @@ const NOTE_BYTES_MAX: usize = 1024;
 /// Reader of the records of an input; the budgets bound its memory for any input.
 pub(super) struct Records<R> {
     input: R,
+    decoding: Decoding,
     limits: Limits,
     delimiter: u8,
     core: csv_core::Reader,
@@ -75,9 +77,10 @@ impl<'a> Record<'a> {
 }
 
 impl<R: Read> Records<R> {
-    pub(super) fn new(input: R, delimiter: Delimiter, limits: Limits) -> Self {
+    pub(super) fn new(input: R, encoding: Encoding, delimiter: Delimiter, limits: Limits) -> Self {
         Self {
             input,
+            decoding: Decoding::new(encoding),
             limits,
             delimiter: delimiter.byte(),
             core: csv_core::ReaderBuilder::new()
@@ -340,25 +343,32 @@ impl<R: Read> Records<R> {
         if self.at_end {
             return Ok(());
         }
-        let count = loop {
-            match self.input.read(&mut self.chunk) {
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                result => break result.map_err(Problem::Io)?,
-            }
+        let is_first = self.size_bytes == 0;
+        let (size_bytes, hash) = (&mut self.size_bytes, &mut self.hash);
+        let mut see = |raw: &[u8]| {
+            *size_bytes += raw.len() as u64;
+            hash.update(raw);
         };
+        let read = self
+            .decoding
+            .read(&mut self.input, &mut self.chunk, &mut see);
+        let count = read.map_err(|error| match error.kind() {
+            io::ErrorKind::InvalidData => Problem::Encoding {
+                guess: "a damaged character of UTF-16",
+                is_text: true,
+            },
+            _ => Problem::Io(error),
+        })?;
         if count == 0 {
             self.at_end = true;
             return Ok(());
         }
-        self.size_bytes += count as u64;
         if self.size_bytes > self.limits.file_bytes {
             return Err(Problem::Limit {
                 budget: Budget::FileBytes,
                 bound: self.limits.file_bytes,
             });
         }
-        let is_first = self.size_bytes == count as u64;
-        self.hash.update(&self.chunk[..count]);
         let mark = if is_first && self.chunk[..count].starts_with(BYTE_ORDER_MARK) {
             BYTE_ORDER_MARK.len()
         } else {
@@ -390,7 +400,7 @@ mod tests {
 
     /// Returns every record and the first error; which of several exceeded budgets is reported depends on the chunks.
     fn read_all(input: impl Read, limits: Limits) -> (Vec<Seen>, Option<String>) {
-        let mut records = Records::new(input, Delimiter::Comma, limits);
+        let mut records = Records::new(input, Encoding::Utf8, Delimiter::Comma, limits);
         let mut seen = Vec::new();
         loop {
             match records.next() {

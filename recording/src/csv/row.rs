@@ -2,6 +2,7 @@
 
 use std::iter;
 
+use super::clock::Clock;
 use super::complement::Window;
 use super::error::{Excerpt, Located, Place};
 use super::number::{self, NumberError, Style};
@@ -10,7 +11,7 @@ use super::problem::{Budget, Problem};
 use super::record::Record;
 use super::{Decimal, Options};
 use crate::plausibility::Watch;
-use crate::{Bounds, OutOfBounds, Quantity, Unit};
+use crate::{Bounds, OutOfBounds, Quantity, StartTime, Unit};
 
 /// Number of rows after which the size of the values is checked again.
 const ROWS_PER_JUDGEMENT: u64 = 1 << 16;
@@ -32,6 +33,7 @@ pub(super) struct RowParser {
     watches: Vec<Watch>,
     last_field: LastField,
     scratch: String,
+    clock: Clock,
 }
 
 impl RowParser {
@@ -61,6 +63,7 @@ impl RowParser {
                 .collect(),
             last_field: LastField::default(),
             scratch: String::new(),
+            clock: Clock::default(),
         }
     }
 
@@ -69,7 +72,10 @@ impl RowParser {
         let line = record.line;
         self.check_shape(record, plan)?;
         let time = &plan.time;
-        let logged = self.number(record, time, plan)?;
+        let logged = match time.is_clock {
+            true => self.clock(record, time, plan)?,
+            false => self.number(record, time, plan)?,
+        };
         let time_s = logged
             .map(|logged| plan.to_seconds.apply(time.value(logged)))
             .ok_or_else(|| (plan.place(line, time.field), Problem::TimeMissing))?;
@@ -189,6 +195,31 @@ impl RowParser {
         }
         self.last_field.see(last, self.decimal);
         Ok(())
+    }
+
+    /// Returns the instant of the first row, if its time column has a date.
+    pub(super) fn start(&self) -> Option<StartTime> {
+        self.clock.start()
+    }
+
+    fn clock(
+        &mut self,
+        record: Record<'_>,
+        time: &FieldPlan,
+        plan: &Plan,
+    ) -> Result<Option<f64>, Located> {
+        let cell = record.get(time.field);
+        if cell.is_empty() {
+            return Ok(None);
+        }
+        let refused = || {
+            let found = Excerpt::of(cell);
+            (
+                plan.place(record.line, time.field),
+                Problem::NotAClock { found },
+            )
+        };
+        self.clock.read(cell).map(Some).ok_or_else(refused)
     }
 
     fn number(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::candidates::{Candidate, Candidates, Source};
 use super::error::{Located, of_file};
 use super::problem::Problem;
-use crate::csv::header::{parse_heading, parse_unit};
+use crate::csv::header::{Reference, parse_heading, parse_unit};
 use crate::csv::mapping::{ColumnKey, MappedColumn, Mapping};
 use crate::csv::{self, Excerpt};
 use crate::name::{check_name, is_time_column};
@@ -69,7 +69,7 @@ impl Choice {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         let headings: Vec<_> = rest
             .iter()
-            .map(|&index| heading(&channels[index]))
+            .map(|&index| heading(&channels[index], mapping.reference))
             .collect();
         for (&index, heading) in rest.iter().zip(&headings) {
             if let Ok((name, _, _)) = heading {
@@ -180,7 +180,10 @@ fn mapped_column(
 
 /// Returns name, unit and source of a channel that needs no mapping; otherwise its name and the reason why it is no
 /// signal.
-fn heading(channel: &Candidate) -> Result<(String, Unit, Source), (String, String)> {
+fn heading(
+    channel: &Candidate,
+    reference: Reference,
+) -> Result<(String, Unit, Source), (String, String)> {
     if let Err(problem) = check_name(&channel.name) {
         let name = Excerpt::of(&channel.name).as_str().to_owned();
         return Err((name, problem.to_string()));
@@ -191,7 +194,7 @@ fn heading(channel: &Candidate) -> Result<(String, Unit, Source), (String, Strin
         Err(reason) => return fail(reason.clone()),
     };
     let (name, unit) = if channel.unit.is_empty() {
-        match parse_heading(&channel.name) {
+        match parse_heading(&channel.name, reference) {
             Ok(heading) => (heading.name, heading.unit),
             Err(_) => {
                 return fail(needs_unit(
@@ -202,7 +205,7 @@ fn heading(channel: &Candidate) -> Result<(String, Unit, Source), (String, Strin
             }
         }
     } else {
-        match parse_unit(&channel.unit) {
+        match parse_unit(&channel.unit, reference) {
             Ok(unit) => (channel.name.clone(), unit),
             Err(problem) => {
                 let unit = match &problem {

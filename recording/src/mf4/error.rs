@@ -53,7 +53,7 @@ pub(super) fn of_file(problem: Problem) -> Located {
 }
 
 impl Mf4Error {
-    pub(super) fn new(source_name: &str, (place, problem): Located) -> Self {
+    pub(crate) fn new(source_name: &str, (place, problem): Located) -> Self {
         Self(Box::new(Details {
             source_name: source_name.to_owned(),
             place,

@@ -18,13 +18,14 @@ mod problem;
 mod reader;
 mod samples;
 mod structure;
+pub(crate) mod survey;
 mod text;
 mod writer;
 
+pub use crate::provenance::READER_NOTE;
 pub use error::{Mf4Error, Place};
 pub use limits::Limits;
 pub use listing::{Channel, Group, Listing, list, list_file};
-pub use notes::READER_NOTE;
 pub use problem::{Budget, Problem};
 pub use reader::{Options, read, read_file};
 pub use writer::{Writer, write};

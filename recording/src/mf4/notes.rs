@@ -3,10 +3,8 @@
 use super::choice::Column;
 use super::structure::File;
 use crate::csv::Excerpt;
+use crate::provenance::READER_NOTE;
 use crate::{Note, Provenance, Recording};
-
-/// Key of the notes that the reader adds to those of the file.
-pub const READER_NOTE: &str = "reader";
 
 /// Maximum number of left-out channels named in an error.
 const NAMED_MAX: usize = 3;

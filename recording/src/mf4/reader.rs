@@ -65,7 +65,24 @@ fn read_located<R: Read + Seek>(
     let file = File::read(&mut blocks)?;
     let candidates = Candidates::of(&mut blocks, &file)?;
     let choice = Choice::of(&candidates, mapping)?;
-    let mut recording = Recording::new(notes::provenance(source_name, &file));
+    let recording = Recording::new(notes::provenance(source_name, &file));
+    let mut recording = read_chosen(
+        &mut blocks,
+        &file,
+        (&candidates, &choice),
+        (recording, mapping),
+    )?;
+    recording.provenance_mut().input = Some(identity(&mut blocks)?);
+    Ok(recording)
+}
+
+/// Reads the chosen channels into a recording.
+pub(super) fn read_chosen<R: Read + Seek>(
+    blocks: &mut Blocks<R>,
+    file: &File,
+    (candidates, choice): (&Candidates, &Choice),
+    (mut recording, mapping): (Recording, &Mapping),
+) -> Result<Recording, Located> {
     for (_, left_out) in &choice.left_out {
         recording.leave_out(&left_out.name, &left_out.reason);
     }
@@ -74,11 +91,9 @@ fn read_located<R: Read + Seek>(
         mapping,
         has_lost_group: false,
     };
-    builder.add_data(&mut blocks, &file, (&candidates, &choice))?;
+    builder.add_data(blocks, file, (candidates, choice))?;
     builder.finish()?;
-    let mut recording = builder.recording;
-    recording.provenance_mut().input = Some(identity(&mut blocks)?);
-    Ok(recording)
+    Ok(builder.recording)
 }
 
 /// Builder of a recording from the data read.
@@ -190,7 +205,7 @@ impl Builder<'_> {
         }
         let unit = match unit {
             "" => Unit::Second,
-            unit => parse_unit(unit)
+            unit => parse_unit(unit, None)
                 .ok()
                 .filter(|unit| unit.quantity() == Quantity::Time)
                 .ok_or("the time of its group is in no unit of time")?,

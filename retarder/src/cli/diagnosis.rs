@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use super::{Assignment, HtmlArg, JsonArg, PlantArgs, assignment};
+use super::{Assignment, HtmlArg, ImportArgs, JsonArg, PlantArgs, assignment};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -108,15 +108,24 @@ pub(crate) struct LogsArgs {
     #[command(flatten)]
     pub(crate) knowledge: KnowledgeArgs,
     /// Bench log to fit, CSV with units in the header (`p_ch_bar_gauge`) or MF4; may be repeated
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, required = true)]
-    pub(crate) log: Vec<PathBuf>,
+    #[arg(value_name = "LOG", value_hint = ValueHint::FilePath, required_unless_present = "log")]
+    paths: Vec<PathBuf>,
+    /// Bench log to fit, the same as LOG; may be repeated
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    log: Vec<PathBuf>,
     /// Log of the same rig for validation; it is not fitted. May be repeated
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) check: Vec<PathBuf>,
     /// Error to ignore, rms in bar, mA or K: a model error up to it counts as noise; may be repeated
     #[arg(long, value_name = "SIGNAL=RMS", value_parser = assignment)]
     pub(crate) need: Vec<Assignment>,
-    /// TOML file that maps columns or channels without standard names to signals and units
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(crate) mapping: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) import: ImportArgs,
+}
+
+impl LogsArgs {
+    /// Returns the logs to fit, given as LOG or by --log.
+    pub(crate) fn logs(&self) -> Vec<PathBuf> {
+        self.paths.iter().chain(&self.log).cloned().collect()
+    }
 }

@@ -79,6 +79,7 @@ fn a_printed_controller_file_is_a_controller_file_and_every_setting_is_listed() 
 fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     let bench = Bench::new();
     let commands = [
+        "inspect",
         "simulate",
         "compare",
         "diagnose",

@@ -10,6 +10,7 @@ mod diagnose;
 mod files;
 #[cfg(feature = "image-in-the-loop")]
 mod image;
+mod inspect;
 mod listings;
 mod mf4;
 mod mistakes;

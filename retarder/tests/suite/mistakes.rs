@@ -438,7 +438,7 @@ fn options() {
         );
     }
     check(&bench, &["simulte"], &["simulte", "simulate"]);
-    check(&bench, &["compare"], &["--log <FILE>"]);
+    check(&bench, &["compare"], &["<LOG>"]);
 }
 
 #[test]

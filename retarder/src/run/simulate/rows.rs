@@ -45,7 +45,11 @@ impl<R: Read> Rows<R> {
         match self {
             Self::Csv(reader, counter) => {
                 let outside: Vec<_> = reader.out_of_bounds().collect();
-                counter.finish(outside.iter().copied())
+                let skipped = reader.skipped_rows().to_vec();
+                Defects {
+                    skipped,
+                    ..counter.finish(outside.iter().copied())
+                }
             }
             Self::Recording(_, defects) => defects,
         }
