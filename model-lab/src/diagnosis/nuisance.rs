@@ -416,10 +416,11 @@ pub(crate) fn leader_of(name: &str) -> Option<&'static str> {
     Some(leader.name)
 }
 
-/// Returns the possible error of the value of an ordinary parameter in a first plant file, in its unit; none for other parameters.
+/// Returns the possible error of the value of an ordinary parameter in a first plant file, in its unit; none for other parameters, and for a
+/// part that is not there: a growth of 0.
 pub(crate) fn first_file_spread(name: &str, value: f64) -> Option<f64> {
     let ordinary = ORDINARY.iter().find(|ordinary| ordinary.name == name)?;
-    Some(ordinary.first_file.around(value))
+    Some(ordinary.first_file.around(value)).filter(|half| *half > 0.0)
 }
 
 /// Free parameter of a fit, with its range.

@@ -250,3 +250,66 @@ fn a_little_more_than_the_noise_says_nothing_of_physics() {
     );
     assert!(said(Left::More).contains("so physics is missing"));
 }
+
+/// Goal: a rig of on/off valves without coils, known from data sheets, leads to a model that leaves the noise, and the true values lie in
+/// the intervals. Method: a rig of the same simulator at 50 Hz, with pressures alone, seen by a logger with a clock of its own.
+#[test]
+fn on_off_valves_known_from_data_sheets_are_estimated() {
+    let sheet = PlantParameters::from_datasheet(ON_OFF, "data sheet").unwrap();
+    let mut rig = sheet.clone();
+    for (name, factor) in [
+        ("chamber.volume_m3", 1.06),
+        ("on_off_fill.conductance_dm3_per_s_bar", 1.1),
+        ("on_off_fill.critical_ratio", 1.3),
+        ("on_off_fill.opening_delay_s", 0.86),
+        ("on_off_fill.closing_ramp_s", 1.3),
+        ("on_off_vent.conductance_dm3_per_s_bar", 0.92),
+        ("on_off_vent.opening_delay_s", 1.12),
+        ("on_off_vent.closing_delay_s", 0.83),
+        ("gas.supply_pressure_bar_gauge", 0.98),
+    ] {
+        let value = sheet.get(name).unwrap() * factor;
+        rig.set(name, value, "truth").unwrap();
+    }
+    let phases: Vec<(f64, f64, f64)> = Bench::default().phases.repeat(2);
+    let [fitted, check] = [(4e-3, 1), (7e-3, 2)].map(|(phase_s, seed)| {
+        let clock = LoggerClock {
+            phase_s,
+            drift_ppm: 60.0,
+        };
+        pressure_alone(&logged_through(&rig, (clock, 10e-3), seed, &phases))
+    });
+    let found = estimated(&sheet, &[fitted], &[check]);
+    let estimation = &found.estimation;
+    assert!(estimation.is_adequate, "{}", estimation.sentence);
+    let last = estimation.steps.last().unwrap();
+    assert!(last.worst_in_noise() < 1.1, "{last:?}");
+    assert!(last.worst_free_run_in_noise() < 1.5, "{last:?}");
+    for parameter in &estimation.parameters {
+        let truth = rig.get(&parameter.name).unwrap();
+        let margin = 0.1 * (parameter.high - parameter.low) + 1e-9 * truth.abs();
+        assert!(
+            truth > parameter.low - margin && truth < parameter.high + margin,
+            "{truth}: {parameter:?}"
+        );
+    }
+}
+
+const ON_OFF: &str = "
+    supply_pressure_bar_gauge = 7.15      # ±0.35
+    temperature_c = 24.3
+    command_frequency_hz = 50
+    chamber_volume_cm3 = 419              # ±15 %
+    fill_C_dm3_per_s_bar = 0.641          # ±15 %
+    fill_b = 0.245                        # ±0.1
+    fill_opening_delay_ms = 8.77          # ±25 %
+    fill_closing_delay_ms = 7.98          # ±25 %
+    fill_opening_ramp_ms = 2.36           # ±25 % and ±1
+    fill_closing_ramp_ms = 3.26           # ±25 % and ±1
+    vent_C_dm3_per_s_bar = 1.02           # ±15 %
+    vent_b = 0.382                        # ±0.1
+    vent_opening_delay_ms = 9.73          # ±25 %
+    vent_closing_delay_ms = 8.32          # ±25 %
+    vent_opening_ramp_ms = 2.27           # ±25 % and ±1
+    vent_closing_ramp_ms = 4.14           # ±25 % and ±1
+";

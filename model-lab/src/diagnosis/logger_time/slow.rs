@@ -59,12 +59,15 @@ pub(crate) fn find_slow_clocks(
     search: Search,
 ) -> Option<f64> {
     let there_s = plant.ecu.command_delay_s;
-    // A plant without coils has no delay but those of its valves.
-    let delays_s = if Part::Coil.is_in(plant) {
+    // A plant without coils has no delay but those of its valves: all phases are tried with it.
+    let has_delay = Part::Coil.is_in(plant);
+    let reach_s = 0.5 * plant.ecu.sample_time_s;
+    let delays_s = if has_delay {
         delays_s
     } else {
-        (there_s, there_s)
+        (there_s - reach_s, there_s + reach_s)
     };
+    let of_plant = |delay_s: f64| if has_delay { delay_s } else { there_s };
     let logs = evidence.logs.iter().enumerate();
     let mut open: Vec<Open> = logs
         .filter(|(_, log)| log.is_clock_open())
@@ -101,7 +104,7 @@ pub(crate) fn find_slow_clocks(
     let loss_of = |one: &Open, delay_s: f64, drift_ppm: f64| {
         let log = &logs[one.log];
         let clock = one.clock(log, delay_s, drift_ppm);
-        loss(plant, log, Some(clock), delay_s)
+        loss(plant, log, Some(clock), of_plant(delay_s))
     };
     // A log whose commands determine its clock also determines the delay.
     let is_pinned = open.len() < logs.len();
@@ -150,10 +153,10 @@ pub(crate) fn find_slow_clocks(
     for one in open {
         let clock = one.clock(&evidence.logs[one.log], best.1, one.drift_ppm);
         let mut there = plant.clone();
-        there.ecu.command_delay_s = best.1;
+        there.ecu.command_delay_s = of_plant(best.1);
         evidence.logs[one.log].set_clock(clock.later(plant.ecu.sample_time_s), &there);
     }
-    Some(best.1)
+    Some(of_plant(best.1))
 }
 
 /// Moves the clocks of logs that are no faster than the ECU, together with the delay, to the middle of the range that the rows admit: data
@@ -165,7 +168,8 @@ pub(crate) fn centre_slow_clocks(
     delays_s: (f64, f64),
 ) -> Option<f64> {
     // A log whose commands determine its clock also determines the delay.
-    if evidence.logs.is_empty() || !evidence.logs.iter().all(Log::is_clock_open) {
+    let is_determined = !evidence.logs.iter().all(Log::is_clock_open);
+    if evidence.logs.is_empty() || is_determined || !Part::Coil.is_in(plant) {
         return None;
     }
     let there_s = plant.ecu.command_delay_s;
