@@ -254,13 +254,14 @@ mod tests {
     use crate::cli::Cli;
 
     /// Options that name a file to read.
-    const INPUTS: [&str; 9] = [
+    const INPUTS: [&str; 10] = [
         "path",
         "paths",
         "log",
         "check",
         "mapping",
         "plant",
+        "from_datasheet",
         "controller",
         "reference",
         "image",
