@@ -1,4 +1,4 @@
-//! On/off valve without a coil: a command moves it after a delay, and it opens and closes along a ramp (E62).
+//! On/off valve without a coil: a command moves it after a delay, and it opens and closes along a ramp (E64).
 
 use crate::description::OnOffValveParameters;
 

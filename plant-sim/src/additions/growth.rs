@@ -1,4 +1,4 @@
-//! Chamber whose volume grows with the pressure (E63): a hose, a bellows.
+//! Chamber whose volume grows with the pressure (E65): a hose, a bellows.
 
 use super::Volume;
 use crate::description::{ChamberParameters, PA_PER_BAR};

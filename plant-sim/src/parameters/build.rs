@@ -124,7 +124,7 @@ impl PlantParameters {
         [&self.on_off_fill, &self.on_off_vent][index]
     }
 
-    /// Returns an on/off valve, whose opening is the open share of its conductance (E61).
+    /// Returns an on/off valve, whose opening is the open share of its conductance (E63).
     fn on_off_valve(&self, index: usize) -> Valve {
         let on_off = self.on_off(index);
         let (area, nozzle) = self.iso6358(on_off.conductance_dm3_per_s_bar, on_off.critical_ratio);
@@ -142,7 +142,7 @@ impl PlantParameters {
         }
     }
 
-    /// Returns the effective area (m²) and the law of a flow with conductance C (dm³/(s bar)) and critical ratio b (E61).
+    /// Returns the effective area (m²) and the law of a flow with conductance C (dm³/(s bar)) and critical ratio b (E63).
     fn iso6358(&self, conductance: f64, critical_ratio: f64) -> (f64, NozzleLaw) {
         let gas = &self.gas;
         let nozzle = NozzleLaw::with_branch(

@@ -74,18 +74,18 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     flow.discharge_fill [""] 0.05 ..= 1.5, "discharge coefficient of the fill valve (equations 3.19, 5.1)";
     flow.discharge_vent [""] 0.05 ..= 1.5, "discharge coefficient of the vent valve (equations 3.19, 5.1)";
     flow.critical_ratio [""] 0.1 ..= 0.6, "pressure ratio below which the flow is choked (equation 3.22); real components have less than 0.528";
-    on_off_fill.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the open fill valve (ISO 6358, equation E61)";
-    on_off_fill.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the fill valve (ISO 6358, equation E61)";
-    on_off_fill.opening_delay_s ["s"] 0.0 ..= 1.0, "time for which a command must stand until the fill valve begins to open (equation E62)";
-    on_off_fill.closing_delay_s ["s"] 0.0 ..= 1.0, "time for which a pause must last until the fill valve begins to close (equation E62)";
-    on_off_fill.opening_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the fill valve opens, linearly, from closed to fully open (equation E62)";
-    on_off_fill.closing_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the fill valve closes, linearly, from fully open to closed (equation E62)";
-    on_off_vent.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the open vent valve (ISO 6358, equation E61)";
-    on_off_vent.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the vent valve (ISO 6358, equation E61)";
-    on_off_vent.opening_delay_s ["s"] 0.0 ..= 1.0, "time for which a command must stand until the vent valve begins to open (equation E62)";
-    on_off_vent.closing_delay_s ["s"] 0.0 ..= 1.0, "time for which a pause must last until the vent valve begins to close (equation E62)";
-    on_off_vent.opening_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve opens, linearly, from closed to fully open (equation E62)";
-    on_off_vent.closing_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve closes, linearly, from fully open to closed (equation E62)";
+    on_off_fill.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the open fill valve (ISO 6358, equation E63)";
+    on_off_fill.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the fill valve (ISO 6358, equation E63)";
+    on_off_fill.opening_delay_s ["s"] 0.0 ..= 1.0, "time for which a command must stand until the fill valve begins to open (equation E64)";
+    on_off_fill.closing_delay_s ["s"] 0.0 ..= 1.0, "time for which a pause must last until the fill valve begins to close (equation E64)";
+    on_off_fill.opening_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the fill valve opens, linearly, from closed to fully open (equation E64)";
+    on_off_fill.closing_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the fill valve closes, linearly, from fully open to closed (equation E64)";
+    on_off_vent.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the open vent valve (ISO 6358, equation E63)";
+    on_off_vent.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the vent valve (ISO 6358, equation E63)";
+    on_off_vent.opening_delay_s ["s"] 0.0 ..= 1.0, "time for which a command must stand until the vent valve begins to open (equation E64)";
+    on_off_vent.closing_delay_s ["s"] 0.0 ..= 1.0, "time for which a pause must last until the vent valve begins to close (equation E64)";
+    on_off_vent.opening_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve opens, linearly, from closed to fully open (equation E64)";
+    on_off_vent.closing_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve closes, linearly, from fully open to closed (equation E64)";
     gas.gas_constant_j_per_kg_k ["J/(kg K)"] 50.0 ..= 5000.0, "gas constant (equation 3.17); air 287.05";
     gas.heat_capacity_ratio [""] 1.05 ..= 1.7, "ratio of heat capacities k (equation 3.19); air 1.4";
     gas.temperature_k ["K"] 200.0 ..= 500.0, "gas temperature, constant (equation 3.24)";
@@ -94,11 +94,11 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     gas.thermometer_wall_share [""] 0.0 ..= 0.9, "share of the wall's temperature in what a thermometer in the gas shows, by radiation and along its stem; may be absent and is 0 then";
     gas.supply_gauge_offset_bar ["bar"] -1.0 ..= 1.0, "what a logged supply pressure p_sup shows more than there is (E60); may be absent and is 0 then";
     chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "dead volume V_ch of chamber, channels and actuator (section 2.2)";
-    chamber.growth_m3_per_bar ["m3/bar"] 0.0 ..= 0.01, "growth of a hose per bar gauge, beyond volume_m3 at ambient pressure (E63); may be absent and is 0 then";
-    chamber.growth_pressure_bar ["bar"] 0.0 ..= 100.0, "gauge pressure over which the growth fades to 1/e (E63); may be absent, the growth is in proportion to the pressure then";
-    second_chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "volume of a second chamber behind a line, with the pressure sensor (E64)";
-    second_chamber.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the line to the second chamber (ISO 6358, equation E61)";
-    second_chamber.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the line to the second chamber (ISO 6358, equation E61)";
+    chamber.growth_m3_per_bar ["m3/bar"] 0.0 ..= 0.01, "growth of a hose per bar gauge, beyond volume_m3 at ambient pressure (E65); may be absent and is 0 then";
+    chamber.growth_pressure_bar ["bar"] 0.0 ..= 100.0, "gauge pressure over which the growth fades to 1/e (E65); may be absent, the growth is in proportion to the pressure then";
+    second_chamber.volume_m3 ["m3"] 1e-7 ..= 1.0, "volume of a second chamber behind a line, with the pressure sensor (E66)";
+    second_chamber.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the line to the second chamber (ISO 6358, equation E63)";
+    second_chamber.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the line to the second chamber (ISO 6358, equation E63)";
 }
 
 parameters! { REGULATING_VALVE_MODEL regulating_valve_field regulating_valve_field_mut optional:

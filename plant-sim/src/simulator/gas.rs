@@ -211,7 +211,7 @@ struct Second {
     warmth: f64,
 }
 
-/// Sets the rates of pressure and temperature of a second chamber, from which `leak` (kg/s) escapes (E64).
+/// Sets the rates of pressure and temperature of a second chamber, from which `leak` (kg/s) escapes (E66).
 fn second_chamber(
     plant: &Plant,
     layout: &Layout,
