@@ -158,13 +158,13 @@ impl State {
             return Err(StateError::Error { bits: error });
         }
         let integral_bits = double_word(integral_low, integral_high);
-        if integral_bits < -INTEGRAL_MAX || integral_bits > INTEGRAL_MAX {
+        if integral_bits < -INTEGRAL_MAX || integral_bits > INTEGRAL_MAX + LOWER_WORD {
             return Err(StateError::Integral {
                 bits: integral_bits,
             });
         }
         let boost_bits = double_word(boost_low, boost_high);
-        if boost_bits < 0 || boost_bits > BOOST_MAX {
+        if boost_bits < 0 || boost_bits > BOOST_MAX + LOWER_WORD {
             return Err(StateError::Boost { bits: boost_bits });
         }
         Ok(Self {
@@ -182,6 +182,8 @@ impl State {
 const INTEGRAL_MAX: i64 = 10 << 59;
 /// Largest bound of the boost that settings allow: 1000 %, 2⁻⁵² of 100 %.
 const BOOST_MAX: i64 = 10 << 52;
+/// Largest lower word, which a bound does not clamp.
+const LOWER_WORD: i64 = 0xFFFF_FFFF;
 
 const fn double_word(low: i32, high: i32) -> i64 {
     from_high_word(high).wrapping_add(low as u32 as i64)

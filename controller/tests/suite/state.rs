@@ -77,9 +77,14 @@ fn words_beyond_each_bound_are_refused_and_the_bound_itself_is_not() {
     let (integral, boost) = (10_i64 << 59, 10_i64 << 52);
     check([0, 0, 0, 10 << 27, 0, 10 << 20], None);
     check([0, 0, 0, -10 << 27, 0, 0], None);
+    // Defect seen: a bound clamps the upper word alone, and a state at its bound was refused.
+    check([0, 0, -1, 10 << 27, -1, 10 << 20], None);
+    let beyond = 1 << 32;
     check(
-        [0, 0, 1, 10 << 27, 0, 0],
-        Some(StateError::Integral { bits: integral + 1 }),
+        [0, 0, 0, (10 << 27) + 1, 0, 0],
+        Some(StateError::Integral {
+            bits: integral + beyond,
+        }),
     );
     check(
         [0, 0, -1, (-10 << 27) - 1, 0, 0],
@@ -88,8 +93,10 @@ fn words_beyond_each_bound_are_refused_and_the_bound_itself_is_not() {
         }),
     );
     check(
-        [0, 0, 0, 0, 1, 10 << 20],
-        Some(StateError::Boost { bits: boost + 1 }),
+        [0, 0, 0, 0, 0, (10 << 20) + 1],
+        Some(StateError::Boost {
+            bits: boost + beyond,
+        }),
     );
     check([0, 0, 0, 0, -1, -1], Some(StateError::Boost { bits: -1 }));
 }
@@ -106,12 +113,12 @@ fn a_refused_state_says_which_words_and_why() {
         "word 1: error of 2097152 units of 2^-16 bar is outside -32 ..= 32 bar"
     );
     assert_eq!(
-        message([0, 0, 1, 10 << 27, 0, 0]),
-        "words 2 and 3: integral part of 5764607523034234881 units of 2^-59 is outside -10 ..= 10, which is 1000 %"
+        message([0, 0, 0, (10 << 27) + 1, 0, 0]),
+        "words 2 and 3: integral part of 5764607527329202176 units of 2^-59 is outside -10 ..= 10, which is 1000 %"
     );
     assert_eq!(
-        message([0, 0, 0, 0, 1, 10 << 20]),
-        "words 4 and 5: boost of 45035996273704961 units of 2^-52 is outside 0 ..= 10, which is 1000 %"
+        message([0, 0, 0, 0, 0, (10 << 20) + 1]),
+        "words 4 and 5: boost of 45036000568672256 units of 2^-52 is outside 0 ..= 10, which is 1000 %"
     );
 }
 

@@ -343,14 +343,6 @@ impl<'a> From<&'a Diagnosis> for Answer<'a> {
     }
 }
 
-/// Returns the words that follow an error of `horizon`; none for the usual horizon.
-pub(super) fn in_words(horizon: Horizon) -> &'static str {
-    match horizon {
-        Horizon::OneStepAhead => "",
-        Horizon::FreeRun => " in free run",
-    }
-}
-
 /// Returns the answer in words.
 pub(crate) fn sentence(answer: &Answer) -> String {
     let &Answer {
@@ -442,7 +434,10 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                 "missing: {}; with {} {share:.0} % of the excess error{} is explained",
                 named.join(" and "),
                 if named.len() == 1 { "it" } else { "them" },
-                in_words(horizon),
+                match horizon {
+                    Horizon::OneStepAhead => "",
+                    Horizon::FreeRun => " in free run",
+                },
             );
             let is_beyond = steps
                 .iter()

@@ -19,7 +19,7 @@ use super::split::Split;
 use super::trial::{Bench, Trial};
 use super::unknowns::Unknown;
 use super::verdict::CLEARLY_LESS;
-use crate::result::{Horizon, LogDefects, NotCompared, Warning};
+use crate::result::{LogDefects, NotCompared, Warning};
 
 /// Name and version of the JSON format.
 pub const REFINEMENT_SCHEMA: &str = "retarder.refinement/2";
@@ -54,8 +54,6 @@ pub struct Refinement {
     pub warnings: BTreeMap<String, Vec<Warning>>,
     /// Validation data, in words.
     pub held_out: String,
-    /// Horizon of the fitted errors: one step ahead, or free run where that leaves less in free run.
-    pub horizon: Horizon,
     /// The result in words.
     pub sentence: String,
     /// Error steps, beginning with the plant without the requested effects; one row per added effect.
@@ -131,10 +129,6 @@ pub fn refine(
         })?;
         steps = other.unwrap_or(steps);
     }
-    if split.bench(&without, &[]).adds_up(&steps[steps.len() - 1]) {
-        report(watch, "all effects in free run", 0.0)?;
-        steps = in_free_run(&mut split, &without, steps)?;
-    }
     let bench = split.bench(&without, &[]);
     report(watch, "the final fit", 0.0)?;
     if let [_, .., last] = steps.as_mut_slice() {
@@ -162,8 +156,7 @@ pub fn refine(
         defects: split.defects(),
         warnings: split.warnings(),
         held_out: split.held_out().to_owned(),
-        horizon: split.horizon(),
-        sentence: sentence(&error_steps, split.horizon()),
+        sentence: sentence(&error_steps),
         effects: effects.collect(),
         nuisance: assemble::nuisance(&bench, plain, last),
         error_steps,
@@ -192,36 +185,6 @@ fn with_effects(
         next.refresh(&bench).ok_or_else(not_simulated)?;
         steps.push(next);
     }
-    Ok(steps)
-}
-
-/// Returns `steps` with the errors of the free run fitted, where that leaves less in free run; otherwise unchanged, with the former horizon.
-fn in_free_run(
-    split: &mut Split,
-    plant: &PlantParameters,
-    steps: Vec<Trial>,
-) -> Result<Vec<Trial>, DiagnoseError> {
-    let before = split.conditions();
-    let Some(last) = steps.last() else {
-        return Ok(steps);
-    };
-    split.take_conditions(last);
-    split.judge_in(Horizon::FreeRun);
-    let bench = split.bench(plant, &[]);
-    let refitted = steps.iter().map(|step| {
-        let mut refitted = bench.follow(bench.at_the_place_of(step)?)?;
-        refitted.refresh(&bench)?;
-        Some(refitted)
-    });
-    let refitted: Option<Vec<Trial>> = refitted.collect();
-    let floors = |trial| Some(bench.free_run(trial)?.most_floors());
-    if let Some(refitted) = refitted
-        && floors(refitted.last().unwrap_or(last)) < floors(last)
-    {
-        return Ok(refitted);
-    }
-    split.judge_in(Horizon::OneStepAhead);
-    split.replace_conditions(&before);
     Ok(steps)
 }
 
@@ -268,7 +231,7 @@ fn fitted_effect(
     }
 }
 
-fn sentence(error_steps: &[Step], horizon: Horizon) -> String {
+fn sentence(error_steps: &[Step]) -> String {
     let last = &error_steps[error_steps.len() - 1];
     let added: Vec<String> = error_steps
         .iter()
@@ -276,10 +239,9 @@ fn sentence(error_steps: &[Step], horizon: Horizon) -> String {
         .map(|id| id.replace('_', " "))
         .collect();
     format!(
-        "with {} {:.0} % of the excess error{} is explained",
+        "with {} {:.0} % of the excess error is explained",
         added.join(" and "),
-        100.0 * last.explained_share.max(0.0),
-        assemble::in_words(horizon)
+        100.0 * last.explained_share.max(0.0)
     )
 }
 

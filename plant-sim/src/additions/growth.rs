@@ -1,7 +1,6 @@
 //! Chamber whose volume grows with the pressure (E65): a hose, a bellows.
 
 use super::Volume;
-use crate::description::{ChamberParameters, PA_PER_BAR};
 
 /// Growth of the volume with the gauge pressure p: G p, or G P (1 - exp(-p/P)).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,11 +14,11 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Returns the growth of a chamber at `ambient` (Pa abs); `None` for a stiff one.
-    pub(crate) fn new(chamber: &ChamberParameters, ambient: f64) -> Option<Self> {
-        let fading = chamber.growth_pressure_bar * PA_PER_BAR;
-        (chamber.growth_m3_per_bar > 0.0).then_some(Self {
-            slope: chamber.growth_m3_per_bar / PA_PER_BAR,
+    /// Returns the growth by `slope` (m³/Pa) that fades over `fading` (Pa) above `ambient` (Pa abs); `None` for a slope of 0. A `fading` of 0
+    /// is a growth in proportion to the pressure.
+    pub(crate) fn new(slope: f64, fading: f64, ambient: f64) -> Option<Self> {
+        (slope > 0.0).then_some(Self {
+            slope,
             fading: (fading > 0.0).then_some(fading),
             ambient,
         })

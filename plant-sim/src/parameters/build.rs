@@ -5,7 +5,7 @@ use crate::additions::{Additions, Cavity, Growth, Tube};
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
-use crate::description::{EffectSetting, OnOffValveParameters, PlantParameters};
+use crate::description::{EffectSetting, OnOffValveParameters, PA_PER_BAR, PlantParameters};
 use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice, Subsonic};
@@ -112,7 +112,11 @@ impl PlantParameters {
             drain_pressure: gas.ambient_pressure_pa,
             diode_drop: self.ecu.free_wheel_diode_drop_v,
             additions: Additions {
-                growth: Growth::new(&self.chamber, gas.ambient_pressure_pa),
+                growth: Growth::new(
+                    self.chamber.growth_m3_per_bar / PA_PER_BAR,
+                    self.chamber.growth_pressure_bar * PA_PER_BAR,
+                    gas.ambient_pressure_pa,
+                ),
                 cavity: self.second_chamber(),
                 ..Additions::default()
             },

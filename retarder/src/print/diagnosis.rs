@@ -69,7 +69,7 @@ pub(super) fn refinement(refined: &RefinedPlant, terminal: &Terminal) -> String 
     text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += "\n";
-    text += &error_steps(&found.error_steps, found.horizon, terminal);
+    text += &error_steps(&found.error_steps, Horizon::OneStepAhead, terminal);
     text += "\n";
     let mut table = Table::new(
         [
