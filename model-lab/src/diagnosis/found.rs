@@ -104,7 +104,8 @@ fn widened(bench: &Bench, plain: &Trial, watch: Watch) -> Result<Option<Trial>, 
     Ok(bench.widened(plain))
 }
 
-/// Selects effects on top of `plain`, with fits that begin at `base`. The best single effect may show clocks and commands of the logs that `plain` did not.
+/// Selects effects on top of `plain`, with fits that begin at `base`. The best single effect may show clocks and commands of the logs that
+/// `plain` did not.
 fn select_from(
     split: &mut Split,
     plant: &PlantParameters,
