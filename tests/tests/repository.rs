@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use plant_sim::PlantParameters;
+use plant_sim::valve::ValveFunction;
 use recording::csv;
 use retarder_tests::bench_log::repository;
 
@@ -201,14 +203,31 @@ fn every_outside_dependency_has_its_reason() {
     }
 }
 
+/// Returns the block of TOML with `words` in `docs/your-rig.md`.
+fn block_of_your_rig(words: &str) -> String {
+    let page = read("docs/your-rig.md");
+    let blocks = page.split("```toml\n").skip(1);
+    let mut blocks = blocks.filter_map(|block| Some(block.split_once("```")?.0));
+    let block = blocks.find(|block| block.contains(words));
+    block.expect("a block of TOML").to_owned()
+}
+
+/// The datasheet file in the document is a whole rig, and each of its uncertainties is read.
+#[test]
+fn the_data_sheet_of_the_page_for_your_rig_is_read() {
+    let sheet = block_of_your_rig("fill_C_dm3_per_s_bar");
+    let plant = PlantParameters::from_datasheet(&sheet, "your-rig.md");
+    let plant = plant.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(plant.functions, [ValveFunction::OnOff; 2]);
+    assert_eq!(plant.knowledge.len(), sheet.matches(" = ").count());
+}
+
 /// The mapping on the page about your own rig can be copied unchanged.
 #[test]
 fn the_mapping_of_the_page_for_your_rig_is_read() {
-    let page = read("docs/your-rig.md");
-    let block = page.split("```toml\n").nth(1).expect("a block of TOML");
-    let (mapping, _) = block.split_once("```").unwrap();
+    let mapping = block_of_your_rig("PWM1");
     let mapping =
-        csv::Mapping::parse("your-rig.md", mapping).unwrap_or_else(|error| panic!("{error}"));
+        csv::Mapping::parse("your-rig.md", &mapping).unwrap_or_else(|error| panic!("{error}"));
     let log = "a logger\nof two lines\nZeit;PWM1;U_sensor;Comment\n\
                6190;0,0;0,50;\n6200;40,0;0,75;on\n6210;40,0;---;on\n";
     let options = csv::Options {
