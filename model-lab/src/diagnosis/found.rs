@@ -38,7 +38,7 @@ pub(crate) fn find(
 }
 
 /// Finds what the plant lacks in the errors of the free run, where errors add up that are within the noise one step ahead. `predicted` was
-/// found one step ahead. None, with the former horizon, where the effects of the library do not explain these errors.
+/// found one step ahead. None, with the former horizon and clocks, where the effects of the library do not explain these errors.
 pub(crate) fn find_in_free_run(
     split: &mut Split,
     plant: &PlantParameters,
@@ -46,7 +46,7 @@ pub(crate) fn find_in_free_run(
     predicted: &Selection,
     watch: Watch,
 ) -> Result<Option<Selection>, DiagnoseError> {
-    let before = split.conditions();
+    let before = split.logs();
     split.take_conditions(predicted.within());
     split.judge_in(Horizon::FreeRun);
     report(watch, "the plain model in free run", 0.0)?;
@@ -64,7 +64,7 @@ pub(crate) fn find_in_free_run(
         return Ok(Some(found));
     }
     split.judge_in(Horizon::OneStepAhead);
-    split.replace_conditions(&before);
+    split.restore(before);
     Ok(None)
 }
 

@@ -274,3 +274,24 @@ fn errors_that_add_up_unexplained_are_stated() {
     let expected = "nothing detectable is missing one step ahead; in free run the errors add up to 3.0 times the noise, which no effect";
     assert!(said.starts_with(expected), "{said}");
 }
+
+/// Defect read: after a search in free run that explained nothing, the answer stood beside the clocks of that search.
+#[test]
+fn restored_logs_have_their_former_clocks_and_commands() {
+    let plant = PlantParameters::nominal();
+    let clock = LoggerClock {
+        phase_s: 4e-3,
+        drift_ppm: 60.0,
+    };
+    let log = |seed| logged(&plant, clock, 10e-3, seed);
+    let (mut split, _) = Split::that_shows(&plant, &[log(1)], &[log(2)]).unwrap();
+    let (before, conditions) = (split.logs(), split.conditions());
+    let residuals = |split: &Split| split.fitting.residuals(&plant, Horizon::OneStepAhead);
+    let errors = residuals(&split);
+    let other = LoggerClock::with_phase_at(0.0, 9e-3, -60.0);
+    split.fitting.logs[0].set_clock(other.later(0.01), &plant);
+    assert_ne!(residuals(&split), errors);
+    split.restore(before);
+    assert_eq!(split.conditions(), conditions);
+    assert_eq!(residuals(&split), errors);
+}

@@ -50,7 +50,7 @@ pub(crate) struct Log {
     pub(crate) sampling: CurrentSampling,
     /// Whether several samples of a current show each PWM period.
     resolves_pwm: bool,
-    /// Whether the plant has coils.
+    /// Whether a duty cycle commands a valve of the plant.
     is_commanded: bool,
     pub(crate) conditions: Conditions,
     pub(crate) known_clock: KnownClock,
@@ -303,8 +303,7 @@ impl Log {
         matches!(self.known_clock, KnownClock::Ends(_))
     }
 
-    /// Returns whether only a model can determine the clock of the logger: the log has commanded coils, and the commands do not determine
-    /// it.
+    /// Returns whether only a model can determine the clock of the logger: the log has commands, and they do not determine it.
     pub(crate) fn is_clock_open(&self) -> bool {
         self.is_commanded && !self.is_clock_from_commands() && self.duration_s() > self.interval_s
     }
@@ -466,11 +465,11 @@ impl Log {
     /// Returns the rows of the model, corrected by the measured pressure; none where the simulation was aborted.
     pub(super) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
-        let horizon = (Horizon::OneStepAhead, Tolerance::default());
+        let simulation = (Horizon::OneStepAhead, Tolerance::default());
         self.run(
             parameters,
             (&self.conditions, &self.issued_ns),
-            horizon,
+            simulation,
             |_, row| rows.push(*row),
         )?;
         Some(rows)

@@ -112,6 +112,32 @@ const fn relative(
     }
 }
 
+/// Returns the row of a delay of an on/off valve: data sheets give typical values.
+const fn delay(name: &'static str, determined_by: &'static str) -> Ordinary {
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        step: OVER_JUMPS,
+        ..relative(name, 0.25, Shown::InPressure, determined_by)
+    }
+}
+
+/// Returns the row of a ramp of an on/off valve: data sheets do not give it.
+const fn ramp(name: &'static str, determined_by: &'static str) -> Ordinary {
+    Ordinary {
+        between_programs: Spread::Absolute(0.2e-3),
+        ..relative(name, 0.4, Shown::InPressure, determined_by)
+    }
+}
+
+/// Returns the row of the critical ratio of a valve or a line.
+const fn critical_ratio(name: &'static str, determined_by: &'static str) -> Ordinary {
+    Ordinary {
+        usual: Some(Spread::Absolute(0.1)),
+        first_file: Spread::Absolute(0.2),
+        ..relative(name, 0.0, Shown::InPressure, determined_by)
+    }
+}
+
 /// Spread of the coil's parameters where no current is logged. A coil with resistance and inductances larger by a factor, and a force
 /// constant larger by its square, moves the armature alike except for the drop of the freewheeling diode: pressures show only these
 /// parameters together.
@@ -246,115 +272,58 @@ static ORDINARY: [Ordinary; 31] = [
             "log the coil currents at 20 kHz while the valve opens, at several pressures",
         )
     },
-    // Data sheets give conductance and switching times as typical values, and ramps not at all.
     relative(
         "on_off_fill.conductance_dm3_per_s_bar",
         0.15,
         Shown::InPressure,
         "fill the chamber with the fill valve fully open; fix the volume",
     ),
-    Ordinary {
-        usual: Some(Spread::Absolute(0.1)),
-        first_file: Spread::Absolute(0.2),
-        ..relative(
-            "on_off_fill.critical_ratio",
-            0.0,
-            Shown::InPressure,
-            "fill the chamber with the fill valve fully open, down to equal pressures",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        step: OVER_JUMPS,
-        ..relative(
-            "on_off_fill.opening_delay_s",
-            0.25,
-            Shown::InPressure,
-            "command single pulses of several lengths, some too short to open the valve",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        step: OVER_JUMPS,
-        ..relative(
-            "on_off_fill.closing_delay_s",
-            0.25,
-            Shown::InPressure,
-            "command single pulses of several lengths",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        ..relative(
-            "on_off_fill.opening_ramp_s",
-            0.4,
-            Shown::InPressure,
-            "log the pressure faster than the valve opens",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        ..relative(
-            "on_off_fill.closing_ramp_s",
-            0.4,
-            Shown::InPressure,
-            "log the pressure faster than the valve closes",
-        )
-    },
+    critical_ratio(
+        "on_off_fill.critical_ratio",
+        "fill the chamber with the fill valve fully open, down to equal pressures",
+    ),
+    delay(
+        "on_off_fill.opening_delay_s",
+        "command single pulses of several lengths, some too short to open the valve",
+    ),
+    delay(
+        "on_off_fill.closing_delay_s",
+        "command single pulses of several lengths",
+    ),
+    ramp(
+        "on_off_fill.opening_ramp_s",
+        "log the pressure faster than the valve opens",
+    ),
+    ramp(
+        "on_off_fill.closing_ramp_s",
+        "log the pressure faster than the valve closes",
+    ),
     relative(
         "on_off_vent.conductance_dm3_per_s_bar",
         0.15,
         Shown::InPressure,
         "vent the full chamber with the vent valve fully open; fix the volume",
     ),
-    Ordinary {
-        usual: Some(Spread::Absolute(0.1)),
-        first_file: Spread::Absolute(0.2),
-        ..relative(
-            "on_off_vent.critical_ratio",
-            0.0,
-            Shown::InPressure,
-            "vent the full chamber with the vent valve fully open, down to equal pressures",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        step: OVER_JUMPS,
-        ..relative(
-            "on_off_vent.opening_delay_s",
-            0.25,
-            Shown::InPressure,
-            "command single pulses of several lengths, some too short to open the valve",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        step: OVER_JUMPS,
-        ..relative(
-            "on_off_vent.closing_delay_s",
-            0.25,
-            Shown::InPressure,
-            "command single pulses of several lengths",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        ..relative(
-            "on_off_vent.opening_ramp_s",
-            0.4,
-            Shown::InPressure,
-            "log the pressure faster than the valve opens",
-        )
-    },
-    Ordinary {
-        between_programs: Spread::Absolute(0.2e-3),
-        ..relative(
-            "on_off_vent.closing_ramp_s",
-            0.4,
-            Shown::InPressure,
-            "log the pressure faster than the valve closes",
-        )
-    },
+    critical_ratio(
+        "on_off_vent.critical_ratio",
+        "vent the full chamber with the vent valve fully open, down to equal pressures",
+    ),
+    delay(
+        "on_off_vent.opening_delay_s",
+        "command single pulses of several lengths, some too short to open the valve",
+    ),
+    delay(
+        "on_off_vent.closing_delay_s",
+        "command single pulses of several lengths",
+    ),
+    ramp(
+        "on_off_vent.opening_ramp_s",
+        "log the pressure faster than the valve opens",
+    ),
+    ramp(
+        "on_off_vent.closing_ramp_s",
+        "log the pressure faster than the valve closes",
+    ),
     relative(
         "chamber.growth_m3_per_bar",
         0.25,
@@ -379,16 +348,10 @@ static ORDINARY: [Ordinary; 31] = [
         Shown::InPressure,
         "command single long pulses, and log the pressure until it rests",
     ),
-    Ordinary {
-        usual: Some(Spread::Absolute(0.1)),
-        first_file: Spread::Absolute(0.2),
-        ..relative(
-            "second_chamber.critical_ratio",
-            0.0,
-            Shown::InPressure,
-            "command single long pulses, and log the pressure until it rests",
-        )
-    },
+    critical_ratio(
+        "second_chamber.critical_ratio",
+        "command single long pulses, and log the pressure until it rests",
+    ),
 ];
 
 /// Returns the names of the ordinary parameters.

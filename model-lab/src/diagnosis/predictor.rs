@@ -28,8 +28,8 @@ pub(crate) fn statement(horizon: Horizon) -> &'static str {
              perfect model. The free run is driven by the commands alone"
         }
         Horizon::FreeRun => {
-            "errors are those of the free-run simulation, driven by the commands alone: one step ahead less is missing, but the errors \
-             of all pulses add up; the noise floor is that of the sensor"
+            "errors are those of the free-run simulation, driven by the commands alone: one step ahead they are within the noise, but the \
+             errors of all pulses add up; the noise floor is that of the sensor"
         }
     }
 }

@@ -149,6 +149,16 @@ impl Split {
         self.checking.replace_conditions(checking);
     }
 
+    /// Returns the logs for training and those for validation, with their conditions and the assignment of their commands.
+    pub(super) fn logs(&self) -> [Vec<Log>; 2] {
+        [&self.fitting, &self.checking].map(|evidence| evidence.logs.clone())
+    }
+
+    /// Sets the logs to those of [`Self::logs`].
+    pub(super) fn restore(&mut self, [fitting, checking]: [Vec<Log>; 2]) {
+        (self.fitting.logs, self.checking.logs) = (fitting, checking);
+    }
+
     /// Swaps the blocks: trains with those for validation, and validates with those for training.
     fn with_other_blocks(self) -> Self {
         Self {

@@ -33,7 +33,6 @@ const HELD: (Magnet, Armature) = (
     },
 );
 
-/// Coil with a negligible current, in case it is commanded.
 /// Armature of an on/off valve: no force acts on it, so that it keeps the velocity that the command gives it. Its position is the open share
 /// of 1 mm.
 const FREE: (Magnet, Armature) = (
@@ -56,6 +55,7 @@ const REFERENCE_AIR: (f64, f64) = (1.185, 293.15);
 /// Conversion of dm³/(s bar) into m³/(s Pa).
 const M3_PER_PA_S: f64 = 1e-8;
 
+/// Coil with a negligible current, in case it is commanded.
 const NO_COIL: Coil = Coil {
     resistance: 1e9,
     inductance_at_rest: 1.0,

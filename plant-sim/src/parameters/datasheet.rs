@@ -24,7 +24,7 @@ use crate::valve::ValveFunction;
 /// Value of a data sheet: parameter = value * `factor` + `offset`.
 struct Row {
     key: &'static str,
-    /// Parameter of a plant file that follows from it; empty for values that no plant has.
+    /// Parameter of a plant file that follows from it.
     name: &'static str,
     factor: f64,
     offset: f64,
@@ -57,7 +57,7 @@ const CM3: f64 = 1e-6;
 
 /// All values of data sheets.
 #[rustfmt::skip]
-static ROWS: [Row; 56] = [
+static ROWS: [Row; 43] = [
     row("supply_pressure_bar_gauge", "gas.supply_pressure_bar_gauge", 1.0),
     row("ambient_pressure_bar_abs", "gas.ambient_pressure_pa", PA_PER_BAR),
     Row { offset: 273.15, ..row("temperature_c", "gas.temperature_k", 1.0) },
@@ -101,23 +101,24 @@ static ROWS: [Row; 56] = [
     row("preload_fill_n", "armature.preload_fill_n", 1.0),
     row("preload_vent_n", "armature.preload_vent_n", 1.0),
     row("pressure_face_fill_mm", "armature.pressure_force_diameter_m", MILLI),
-    // One diameter stands for both valves.
-    row("pressure_face_vent_mm", "", MILLI),
-    // These decide the kind of a valve, or describe the logger.
-    row("fill_valve_opens_at_ma", "", MILLI),
-    row("fill_valve_shuts_at_ma", "", MILLI),
-    row("vent_valve_opens_at_ma", "", MILLI),
-    row(VENT_SHUTS, "", MILLI),
-    row("sensor_range_bar", "", 1.0),
-    row("logger_rate_hz", "", 1.0),
-    row(VALVES[FILL], "", 1.0),
-    row(VALVES[VENT], "", 1.0),
-    row("rig", "", 1.0),
-    row("drive", "", 1.0),
-    row("currents", "", 1.0),
-    row("pressure_sensor", "", 1.0),
 ];
 
+/// Keys without a parameter: they tell the kind of a valve or describe the logger, or a plant has one value for both valves.
+const WITHOUT_PARAMETER: [&str; 13] = [
+    VALVES[FILL],
+    VALVES[VENT],
+    "fill_valve_opens_at_ma",
+    "fill_valve_shuts_at_ma",
+    "vent_valve_opens_at_ma",
+    VENT_SHUTS,
+    "pressure_face_vent_mm",
+    "sensor_range_bar",
+    "logger_rate_hz",
+    "rig",
+    "drive",
+    "currents",
+    "pressure_sensor",
+];
 /// Kinds of the valves, in the words of a plant file.
 const VALVES: [&str; 2] = ["fill_valve", "vent_valve"];
 /// Value that only an on/off valve has.
@@ -162,8 +163,12 @@ impl PlantParameters {
         let (mut problems, mut given) = (Vec::new(), Vec::new());
         for (key, item) in table.iter() {
             let line = line_of(text, table.key(key).and_then(toml_edit::Key::span));
+            if WITHOUT_PARAMETER.contains(&key) {
+                continue;
+            }
             let Some(row) = ROWS.iter().find(|row| row.key == key) else {
-                let near = nearest_name(key, ROWS.iter().map(|row| row.key));
+                let keys = ROWS.iter().map(|row| row.key).chain(WITHOUT_PARAMETER);
+                let near = nearest_name(key, keys);
                 problems.push(Problem::UnknownKey {
                     line,
                     key: key.to_owned(),

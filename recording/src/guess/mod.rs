@@ -61,7 +61,7 @@ pub(crate) struct ColumnGuess {
     pub(crate) scale: Option<f64>,
     /// Reason of the guess.
     pub(crate) reason: String,
-    /// What is assumed and should be checked; empty if name and unit say everything.
+    /// Assumption to check; empty if name and unit say everything.
     pub(crate) assumed: String,
     /// Open question that nothing in the file answers.
     pub(crate) question: Option<Question>,

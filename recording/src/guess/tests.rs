@@ -6,6 +6,20 @@ fn values(numbers: &[f64]) -> ColumnValues {
     ColumnValues::of(numbers)
 }
 
+/// Returns columns with these headers and values, without units.
+fn subjects<'a, const N: usize>(
+    headers: [&'a str; N],
+    all: &'a [ColumnValues; N],
+) -> Vec<Subject<'a>> {
+    let pairs = headers.into_iter().zip(all);
+    let subject = |(header, values)| Subject {
+        header,
+        unit: "",
+        values,
+    };
+    pairs.map(subject).collect()
+}
+
 /// Returns the guesses for columns with these headers, units and values.
 fn guesses(columns: &[(&str, &str, &[f64])]) -> Vec<ColumnGuess> {
     let all: Vec<ColumnValues> = columns
@@ -165,15 +179,7 @@ fn states_without_a_name_are_valves_if_the_pressure_follows_them() {
         ("constant", [1.0, 1.0, 1.0]),
     ];
     let all = columns.map(|(_, numbers)| values(&numbers));
-    let subjects: Vec<Subject> = columns
-        .iter()
-        .zip(&all)
-        .map(|((header, _), values)| Subject {
-            header,
-            unit: "",
-            values,
-        })
-        .collect();
+    let subjects = subjects(columns.map(|(header, _)| header), &all);
     let rise = |valve: usize, _: Option<usize>, _: usize| Some(if valve == 2 { 0.9 } else { -0.9 });
     let found = guess(&subjects, None, false, &rise);
     assert_eq!(
@@ -223,15 +229,7 @@ fn numbered_valves_are_named_by_what_the_pressure_does() {
             ("PWM2", [0.0, 0.0, 50.0]),
         ];
         let all = columns.map(|(_, numbers)| values(&numbers));
-        let subjects: Vec<Subject> = columns
-            .iter()
-            .zip(&all)
-            .map(|((header, _), values)| Subject {
-                header,
-                unit: "",
-                values,
-            })
-            .collect();
+        let subjects = subjects(columns.map(|(header, _)| header), &all);
         let rise = move |valve: usize, _: Option<usize>, _: usize| {
             if valve == 2 { first } else { second }
         };

@@ -38,7 +38,7 @@ pub(super) struct Column {
     pub(super) unit: Option<GuessedUnit>,
     pub(super) scale: Option<f64>,
     pub(super) reason: String,
-    /// What is assumed and should be checked.
+    /// Assumption to check.
     pub(super) assumed: String,
     pub(super) question: Option<Question>,
 }

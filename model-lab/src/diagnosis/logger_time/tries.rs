@@ -8,7 +8,6 @@ use plant_sim::logger_clock::LoggerClock;
 use rayon::prelude::*;
 
 use crate::diagnosis::log::Log;
-
 use crate::result::Horizon;
 
 /// Length (s) of the beginning: a drift of 100 ppm moves its end by 1.5 ms.

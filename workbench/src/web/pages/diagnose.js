@@ -122,7 +122,7 @@ class Page {
     const times = Object.entries(last.free_run_check_rms).filter(([signal]) => last.noise_floor[signal])
       .map(([signal, rms]) => `${signal} ${number(rms / last.noise_floor[signal], 3)} × noise`);
     return element("p", { class: "quiet" }, horizon === "free_run"
-      ? "These are free-run errors, as on Compare and Refine: the commands alone drive the model, and the errors of all pulses add up. One step ahead less is missing."
+      ? "These are free-run errors, as on Compare and Refine: the commands alone drive the model, and the errors of all pulses add up. One step ahead they are within the noise."
       : `These are one-step-ahead errors: the measured pressure corrects the model after each sample. In a free-run simulation, as on Compare and Refine, the errors of all pulses add up: ${times.join(", ")}.`);
   }
 
