@@ -12,7 +12,7 @@ use core::fmt::{self, Write};
 use budgets::ecu_samples::{self, Checked, Rig};
 use budgets::ours::{self, Recommended, Thesis, Traced};
 use budgets::trace::{ClosedLoop, SAMPLES};
-use controller::{FixedConfig, State};
+use controller::{FixedConfig, PulseState, State};
 use cortex_m_semihosting::hio::{self, HostStream};
 use idsp::iir::{DirectForm1, DirectForm1Wide};
 
@@ -45,7 +45,9 @@ impl Bench {
         self.step("full_step_any", ours::full_step_any, thesis.config(), rest)?;
         let (step, traced) = (ours::traced_step, Traced::at_rest());
         self.step("traced_step", step, &recommended, traced)?;
-        self.step("pid_alone", ours::pid_alone, &ours::fixed(), rest)
+        self.step("pid_alone", ours::pid_alone, &ours::fixed(), rest)?;
+        let at_rest = PulseState::at_rest();
+        self.step("pulses", ours::pulses, &ours::PULSES, at_rest)
     }
 
     #[cfg(feature = "c-baselines")]

@@ -113,9 +113,12 @@ impl Default for Rig {
     }
 }
 
-/// Returns the mean current of a coil: half an ampere at full duty.
+/// Returns the mean current (mA) of a coil of 82.2 ohm at this duty cycle (2⁻¹⁶ %): 24 V while it is driven, and the drop
+/// of the freewheeling diode of 0.8 V against it otherwise. Another resistance would change the duty limits.
 fn current_ma(duty: i32) -> u16 {
-    (duty / 13_107) as u16
+    // 100 % is 100 · 2¹⁶, and 24 800 mV are 248 mV per percent.
+    let mean_mv = (248 * (duty >> 8) / 256 - 800).max(0);
+    (10 * mean_mv / 822) as u16
 }
 
 #[cfg(test)]

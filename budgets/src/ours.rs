@@ -2,8 +2,8 @@
 //! pressure.
 
 use controller::{
-    Config, Distributor, Duty, FixedConfig, Input, Mechanisms, Output, Prediction, Pressure,
-    Settings, State, Trace, step,
+    CoilSlowness, Config, Distributor, Duty, FixedConfig, Input, Mechanisms, Output, Prediction,
+    Pressure, PulseConfig, PulseState, Settings, State, Trace, pulse_step, step,
 };
 
 /// Mechanisms of the thesis.
@@ -73,6 +73,28 @@ pub extern "C" fn pid_alone(
     pressure: i32,
 ) -> u64 {
     duties(config.step(state, input(reference, pressure)))
+}
+
+/// Model-based pulses for the nominal plant.
+pub const PULSES: PulseConfig = {
+    let Ok(config) = Config::new(&Settings::pulses()) else {
+        panic!("settings are out of bounds");
+    };
+    let Some(pulses) = config.pulses() else {
+        panic!("the settings have no pulses");
+    };
+    *pulses
+};
+
+/// Runs the model-based pulses, with every number in RAM.
+pub extern "C" fn pulses(
+    config: &PulseConfig,
+    state: &mut PulseState,
+    reference: i32,
+    pressure: i32,
+) -> u64 {
+    let input = input(reference, pressure);
+    duties(pulse_step(config, state, input, CoilSlowness::NOMINAL))
 }
 
 /// State of a controller, and its trace for the log.

@@ -2,15 +2,15 @@
 
 use crate::arithmetic::{clamp, wide_product};
 use crate::control_signal::ControlSignal;
-use crate::error::{ConfigError, Field};
+use crate::error::ConfigError;
 use crate::integrator::Integrator;
 use crate::pid::{Pid, sample_time};
 use crate::range::{Range, propagate, quotient};
 use crate::settings::{self, Settings};
+use crate::table::Field;
 
 /// Number of bits by which the integral part (2⁻⁵⁹) is finer than the product of u (2⁻²⁰) and T_s/T_t (2⁻³⁰).
 const FINER: u32 = 59 - 20 - 30;
-const TRACKING_TIME_MS: Range = Range::new("0.1", "30000");
 
 /// Anti-windup method: decides which integral part a sample leaves behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ impl Tracking {
         };
         let sample_time = propagate!(sample_time(settings)) as u128;
         // A tracking time shorter than the sample time would subtract more than was cut off.
-        let range = TRACKING_TIME_MS.from(settings.sample_time_ms);
+        let range = Range::of(Field::TrackingTime).from(settings.sample_time_ms);
         let tracking_time =
             propagate!(range.checked(Field::TrackingTime, tracking_time_ms)) as u128;
         // The tracking time is at least the sample time: above 0, and the share at most 1.

@@ -1,16 +1,14 @@
 //! Boost (section 6.5.3): an extra integrator that runs only while the pressure does not respond.
 
 use crate::arithmetic::wide_product;
-use crate::error::{Coefficient, ConfigError, Field};
+use crate::error::{Coefficient, ConfigError};
 use crate::integrator::{Bound, Integrator};
 use crate::pid::{GAIN_BITS, per_full_scale, sample_time};
 use crate::pressure::ERROR_SHIFT;
-use crate::range::{CoefficientRange, Quotient, Range, propagate};
+use crate::range::{CoefficientRange, Quotient, checked, propagate};
 use crate::settings::Settings;
+use crate::table::Field;
 
-const RATE_PCT_PER_BAR_S: Range = Range::new("0.1", "30000");
-const MAX_PCT: Range = Range::new("0", "1000");
-const RESPONSE_BAR: Range = Range::new("0", "10");
 /// Below this range the rounding of the coefficient would be visible in u; above it the coefficient overflows its word.
 const RATE_PER_SAMPLE: CoefficientRange = CoefficientRange::new("0.1", "1000");
 
@@ -36,11 +34,9 @@ impl Boost {
                 max: Bound::new(0),
             });
         };
-        let rate =
-            propagate!(RATE_PCT_PER_BAR_S.checked(Field::BoostRate, boost.rate_pct_per_bar_s))
-                as u64;
-        let max = propagate!(MAX_PCT.checked(Field::BoostMax, boost.max_pct));
-        let response = propagate!(RESPONSE_BAR.checked(Field::BoostResponse, boost.response_bar));
+        let rate = propagate!(checked(Field::BoostRate, boost.rate_pct_per_bar_s)) as u64;
+        let max = propagate!(checked(Field::BoostMax, boost.max_pct));
+        let response = propagate!(checked(Field::BoostResponse, boost.response_bar));
         let quotient = Quotient {
             coefficient: Coefficient::Boost,
             // At most 2³¹ · 2²⁶, in 2⁻³²; the rate is per second, the sample time in ms.

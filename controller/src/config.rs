@@ -2,9 +2,11 @@
 
 use crate::anti_windup::Tracking;
 use crate::boost::Boost;
+use crate::compensation::SupplyCompensation;
 use crate::distributor::Distributor;
 use crate::error::ConfigError;
 use crate::pid::Pid;
+use crate::pulses::PulseConfig;
 use crate::range::propagate;
 use crate::settings::Settings;
 use crate::structure::Structure;
@@ -18,6 +20,8 @@ use crate::tolerance::Tolerance;
 pub struct Config {
     pub(crate) structure: Structure,
     pub(crate) coefficients: Coefficients,
+    compensation: Option<SupplyCompensation>,
+    pulses: Option<PulseConfig>,
 }
 
 /// Numeric coefficients of a controller.
@@ -56,6 +60,24 @@ impl Config {
                 boost: propagate!(Boost::new(settings)),
                 distributor: propagate!(Distributor::new(settings)),
             },
+            compensation: propagate!(SupplyCompensation::new(settings)),
+            pulses: propagate!(PulseConfig::new(settings)),
         })
+    }
+
+    /// Returns the compensation of the duty limits for supply voltage and coil resistance; `None`: off.
+    ///
+    /// The caller, who knows both, applies it to each output ([`Output::scaled`](crate::Output::scaled)).
+    #[inline(always)]
+    pub const fn compensation(&self) -> Option<&SupplyCompensation> {
+        self.compensation.as_ref()
+    }
+
+    /// Returns the model-based pulses; `None`: the PID controller drives the valves.
+    ///
+    /// The caller, who knows the conditions of the coils, runs them ([`pulse_step`](crate::pulse_step)).
+    #[inline(always)]
+    pub const fn pulses(&self) -> Option<&PulseConfig> {
+        self.pulses.as_ref()
     }
 }

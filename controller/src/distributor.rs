@@ -6,11 +6,12 @@ use crate::arithmetic::high_product;
 use crate::control_signal::ControlSignal;
 use crate::direction::Direction;
 use crate::duty::Duty;
-use crate::error::{ConfigError, Field};
+use crate::error::ConfigError;
 use crate::lower_limit::{LowerLimit, OpeningCurve, OpeningFields, Supply};
-use crate::range::{Range, propagate};
+use crate::range::{Range, checked, propagate};
 use crate::settings::{self, Settings};
 use crate::structure::{Scheme, Structure};
+use crate::table::Field;
 
 /// Conversion of u into two duty cycles. The traditional scheme is Scheme 1 with limits of 0 and 100 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -187,7 +188,7 @@ impl CheckedValve {
         let (limit, min_pct) = match settings.duty_min {
             settings::LowerLimit::Constant { fill_pct, vent_pct } => {
                 let min_pct = if fields.is_fill { fill_pct } else { vent_pct };
-                let min = propagate!(Range::PERCENT.checked(fields.min, min_pct));
+                let min = propagate!(checked(fields.min, min_pct));
                 (OpeningCurve::level(min), min_pct)
             }
             settings::LowerLimit::PressureDependent { fill, vent } => {
@@ -202,7 +203,7 @@ impl CheckedValve {
             }
         };
         let max = propagate!(
-            Range::PERCENT
+            Range::of(fields.max)
                 .from(min_pct)
                 .checked_not_below(fields.min, fields.max, max_pct)
         );

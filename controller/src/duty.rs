@@ -52,6 +52,13 @@ impl Duty {
         Self(I16F16::from_bits(bits.max(0).min(Self::FULL.to_bits())))
     }
 
+    /// Returns 100 % minus the duty cycle.
+    #[must_use]
+    #[inline(always)]
+    pub fn complement(self) -> Self {
+        Self::saturating_from_bits(Self::FULL.to_bits().wrapping_sub(self.to_bits()))
+    }
+
     /// Returns the duty cycle in units of 2⁻¹⁶ %; 100 % is 6 553 600.
     pub const fn to_bits(self) -> i32 {
         self.0.to_bits()

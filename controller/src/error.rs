@@ -4,6 +4,8 @@ use core::fmt;
 
 use fixed::types::{I16F16, I32F32};
 
+use crate::table::Field;
+
 /// Reason why [`Settings`](crate::Settings) give no configuration: the field, its value and the violated bound.
 ///
 /// No controller can run with such settings: correct the named field and build again. The first wrong field in the
@@ -68,96 +70,6 @@ pub enum ConfigError {
     },
 }
 
-/// Numeric field of [`Settings`](crate::Settings), with the name that errors show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(
-    missing_docs,
-    reason = "each variant is the settings field of the same name"
-)]
-pub enum Field {
-    SampleTime,
-    Gain,
-    IntegralTime,
-    DerivativeTime,
-    IntegralMax,
-    TrackingTime,
-    Tolerance,
-    BoostRate,
-    BoostMax,
-    BoostResponse,
-    SupplyPressure,
-    DutyMinFill,
-    DutyMinVent,
-    DutyHalfFill,
-    DutyHalfVent,
-    DutyMinFillWithSupplyPressure,
-    DutyMinVentWithSupplyPressure,
-    DutyMaxFill,
-    DutyMaxVent,
-    DutyMiddleFill,
-    DutyMiddleVent,
-}
-
-impl Field {
-    /// Returns the unit of the field's number.
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::SampleTime | Self::IntegralTime | Self::DerivativeTime | Self::TrackingTime => {
-                "ms"
-            }
-            Self::Gain => "%/bar",
-            Self::Tolerance | Self::BoostResponse | Self::SupplyPressure => "bar",
-            Self::BoostRate => "%/(bar s)",
-            Self::IntegralMax
-            | Self::BoostMax
-            | Self::DutyMinFill
-            | Self::DutyMinVent
-            | Self::DutyHalfFill
-            | Self::DutyHalfVent
-            | Self::DutyMinFillWithSupplyPressure
-            | Self::DutyMinVentWithSupplyPressure
-            | Self::DutyMaxFill
-            | Self::DutyMaxVent
-            | Self::DutyMiddleFill
-            | Self::DutyMiddleVent => "%",
-        }
-    }
-
-    /// Returns the name that errors show.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::SampleTime => "sample_time",
-            Self::Gain => "gain",
-            Self::IntegralTime => "integral_time",
-            Self::DerivativeTime => "derivative_time",
-            Self::IntegralMax => "integral_max",
-            Self::TrackingTime => "tracking_time",
-            Self::Tolerance => "tolerance",
-            Self::BoostRate => "boost_rate",
-            Self::BoostMax => "boost_max",
-            Self::BoostResponse => "boost_response",
-            Self::SupplyPressure => "supply_pressure",
-            Self::DutyMinFill => "duty_min_fill",
-            Self::DutyMinVent => "duty_min_vent",
-            Self::DutyHalfFill => "duty_min_fill_at_half",
-            Self::DutyHalfVent => "duty_min_vent_at_half",
-            Self::DutyMinFillWithSupplyPressure => "duty_min_fill_with_supply_pressure",
-            Self::DutyMinVentWithSupplyPressure => "duty_min_vent_with_supply_pressure",
-            Self::DutyMaxFill => "duty_max_fill",
-            Self::DutyMaxVent => "duty_max_vent",
-            Self::DutyMiddleFill => "middle_fill",
-            Self::DutyMiddleVent => "middle_vent",
-        }
-    }
-}
-
-impl fmt::Display for Field {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 /// Product of settings that has to fit into the arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -171,6 +83,15 @@ pub enum Coefficient {
 }
 
 impl Coefficient {
+    /// Returns the factor on which only this product depends.
+    pub const fn factor(self) -> Field {
+        match self {
+            Self::Integral => Field::IntegralTime,
+            Self::Derivative => Field::DerivativeTime,
+            Self::Boost => Field::BoostRate,
+        }
+    }
+
     const fn unit(self) -> &'static str {
         match self {
             Self::Integral | Self::Boost => "%/bar per sample",
@@ -196,39 +117,8 @@ impl fmt::Display for Coefficient {
     "{mechanism} is another one than was compiled in: choose that one, or run this configuration with `step`"
 )]
 pub struct OtherMechanism {
-    /// First mechanism that differs.
-    pub mechanism: Mechanism,
-}
-
-/// Choice field of [`Settings`](crate::Settings), with the name that errors show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(
-    missing_docs,
-    reason = "each variant is the settings field of the same name"
-)]
-pub enum Mechanism {
-    Prediction,
-    PredictionBasis,
-    SwitchOff,
-    IntegralAtReference,
-    AntiWindup,
-    Distributor,
-    LowerLimit,
-}
-
-impl fmt::Display for Mechanism {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Prediction => "prediction",
-            Self::PredictionBasis => "prediction_basis",
-            Self::SwitchOff => "switch_off",
-            Self::IntegralAtReference => "integral_at_reference",
-            Self::AntiWindup => "anti_windup",
-            Self::Distributor => "distributor",
-            Self::LowerLimit => "duty_min",
-        })
-    }
+    /// First choice that differs.
+    pub mechanism: Field,
 }
 
 /// Reason why words are no valid [`State`](crate::State): no sequence of samples leads to them.

@@ -4,6 +4,7 @@
 mod anti_windup;
 mod arithmetic;
 mod boost;
+mod compensation;
 mod config;
 mod control_signal;
 mod direction;
@@ -17,26 +18,33 @@ mod lower_limit;
 mod pid;
 mod prediction;
 mod pressure;
+mod pulses;
 mod range;
+mod setting;
 mod settings;
 mod state;
 mod step;
 mod structure;
+mod table;
 mod tolerance;
 mod trace;
 
+pub use compensation::{CoilMeasurement, DutyScale, ResistanceRatio, SupplyCompensation};
 pub use config::Config;
 pub use control_signal::ControlSignal;
 pub use duty::Duty;
-pub use error::{Coefficient, ConfigError, Field, Mechanism, OtherMechanism, StateError};
+pub use error::{Coefficient, ConfigError, OtherMechanism, StateError};
 pub use fixed;
 pub use fixed_config::{FixedConfig, Mechanisms};
 pub use input_output::{Input, Output};
 pub use pressure::Pressure;
+pub use pulses::{CoilSlowness, PulseConfig, PulseState, Slowness, pulse_step};
+pub use setting::{Form, SettingSpec};
 pub use settings::{
-    AntiWindup, Boost, Distributor, IntegralAtReference, LowerLimit, OpeningDuty, Prediction,
-    PredictionBasis, Settings, SwitchOff,
+    AntiWindup, Boost, Compensation, Distributor, IntegralAtReference, LowerLimit, OpeningDuty,
+    Prediction, PredictionBasis, Pulses, Settings, SwitchOff,
 };
 pub use state::State;
 pub use step::{step, step_traced};
+pub use table::Field;
 pub use trace::{Activity, Saturation, Trace};

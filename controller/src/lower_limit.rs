@@ -3,12 +3,11 @@
 use fixed::types::I16F16;
 
 use crate::arithmetic::high_product;
-use crate::error::{ConfigError, Field};
+use crate::error::ConfigError;
 use crate::pressure::ERROR_SHIFT;
-use crate::range::{Range, propagate, quotient};
+use crate::range::{Range, checked, propagate, quotient};
 use crate::settings::{self, Distributor, OpeningDuty, Settings};
-
-const SUPPLY_PRESSURE_BAR: Range = Range::new("1", "15");
+use crate::table::Field;
 
 /// Dependence of the lower limit on the pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +42,7 @@ pub(crate) struct Supply {
 
 impl Supply {
     pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        let supply = propagate!(
-            SUPPLY_PRESSURE_BAR.checked(Field::SupplyPressure, settings.supply_pressure_bar)
-        );
+        let supply = propagate!(checked(Field::SupplyPressure, settings.supply_pressure_bar));
         // The supply pressure is at least 1 bar, 2¹⁶ units.
         let divisor = supply as u128;
         let reciprocal = quotient(
@@ -107,9 +104,8 @@ impl OpeningCurve {
             at_half_pct,
             with_supply_pressure_pct,
         } = *opening;
-        let without =
-            propagate!(Range::PERCENT.checked(fields.without_pressure, without_pressure_pct));
-        let range = Range::PERCENT.up_to(without_pressure_pct);
+        let without = propagate!(checked(fields.without_pressure, without_pressure_pct));
+        let range = Range::of(fields.with_supply_pressure).up_to(without_pressure_pct);
         let with = propagate!(range.checked_not_above(
             fields.without_pressure,
             fields.with_supply_pressure,

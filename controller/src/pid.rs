@@ -1,10 +1,11 @@
 //! Discrete PID controller (equation 6.2).
 
 use crate::arithmetic::{clamp, from_high_word, high_word, reload_barrier, wide_product};
-use crate::error::{Coefficient, ConfigError, Field};
+use crate::error::{Coefficient, ConfigError};
 use crate::integrator::{Bound, Integrator};
-use crate::range::{CoefficientRange, Quotient, Range, hundredth, propagate};
+use crate::range::{CoefficientRange, Quotient, checked, hundredth, propagate};
 use crate::settings::Settings;
+use crate::table::Field;
 
 /// Fraction bits of a gain (100 %/bar): its product with an error of 25 fraction bits has 52; the upper word of the
 /// product is u with 20.
@@ -14,11 +15,6 @@ const INTEGRAL_GAIN_BITS: u32 = 34;
 /// Number of bits by which the upper word of the integral part is finer than u.
 const INTEGRAL_SHIFT: u32 = INTEGRAL_GAIN_BITS - GAIN_BITS;
 
-const SAMPLE_TIME_MS: Range = Range::new("0.1", "1000");
-const GAIN_PCT_PER_BAR: Range = Range::new("0.01", "1000");
-const INTEGRAL_TIME_MS: Range = Range::new("1", "30000");
-const DERIVATIVE_TIME_MS: Range = Range::new("0", "30000");
-const INTEGRAL_MAX_PCT: Range = Range::new("0", "1000");
 /// Below this range the rounding of the coefficient would be visible in u; above 12.5 the coefficient overflows its
 /// word.
 const INTEGRAL_GAIN: CoefficientRange = CoefficientRange::new("0.001", "7.9");
@@ -41,12 +37,11 @@ pub(crate) struct Pid {
 impl Pid {
     pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
         let sample_time = propagate!(sample_time(settings));
-        let gain =
-            propagate!(GAIN_PCT_PER_BAR.checked(Field::Gain, settings.gain_pct_per_bar)) as u64;
+        let gain = propagate!(checked(Field::Gain, settings.gain_pct_per_bar)) as u64;
         let integral = match settings.integral_time_ms {
             None => 0,
             Some(time) => {
-                let time = propagate!(INTEGRAL_TIME_MS.checked(Field::IntegralTime, time));
+                let time = propagate!(checked(Field::IntegralTime, time));
                 // At most 2²⁶ · 2²⁶, in 2⁻³²; the divisor accounts for 16 of these bits.
                 let quotient = Quotient {
                     coefficient: Coefficient::Integral,
@@ -60,7 +55,7 @@ impl Pid {
         let derivative = match settings.derivative_time_ms {
             None => 0,
             Some(time) => {
-                let time = propagate!(DERIVATIVE_TIME_MS.checked(Field::DerivativeTime, time));
+                let time = propagate!(checked(Field::DerivativeTime, time));
                 let quotient = Quotient {
                     coefficient: Coefficient::Derivative,
                     // At most 2²⁶ · 2³¹.
@@ -71,8 +66,7 @@ impl Pid {
                 propagate!(quotient.checked(GAIN_BITS))
             }
         };
-        let integral_max =
-            propagate!(INTEGRAL_MAX_PCT.checked(Field::IntegralMax, settings.integral_max_pct));
+        let integral_max = propagate!(checked(Field::IntegralMax, settings.integral_max_pct));
         Ok(Self {
             proportional: hundredth(gain, 1 << 16, GAIN_BITS),
             derivative,
@@ -144,6 +138,6 @@ pub(crate) const fn per_full_scale(bound: i32, fraction_bits: u32) -> i32 {
 
 /// Returns the checked sample time (2⁻¹⁶ ms).
 pub(crate) const fn sample_time(settings: &Settings) -> Result<u64, ConfigError> {
-    let time = propagate!(SAMPLE_TIME_MS.checked(Field::SampleTime, settings.sample_time_ms));
+    let time = propagate!(checked(Field::SampleTime, settings.sample_time_ms));
     Ok(time as u64)
 }

@@ -2,7 +2,8 @@
 
 use fixed::types::{I16F16, I32F32};
 
-use crate::error::{Coefficient, ConfigError, Field};
+use crate::error::{Coefficient, ConfigError};
+use crate::table::Field;
 
 /// Propagates an error as `?` does, which constant functions do not have.
 macro_rules! propagate {
@@ -15,7 +16,7 @@ macro_rules! propagate {
 }
 pub(crate) use propagate;
 
-/// Allowed range of a field, ends included. Ranges are constants: the compiler parses the decimal text, not the target.
+/// Allowed range of a field, ends included.
 #[derive(Clone, Copy)]
 pub(crate) struct Range {
     min: I16F16,
@@ -23,10 +24,10 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    pub(crate) const PERCENT: Self = Self::new("0", "100");
-
-    pub(crate) const fn new(min: &str, max: &str) -> Self {
-        Self::between(I16F16::lit(min), I16F16::lit(max))
+    /// Returns the range of the table of settings.
+    pub(crate) const fn of(field: Field) -> Self {
+        let [min, max] = field.range();
+        Self { min, max }
     }
 
     pub(crate) const fn between(min: I16F16, max: I16F16) -> Self {
@@ -98,6 +99,11 @@ impl Range {
     }
 }
 
+/// Returns the bits of `value`, if it is in the range of `field` in the table of settings.
+pub(crate) const fn checked(field: Field, value: I16F16) -> Result<i32, ConfigError> {
+    Range::of(field).checked(field, value)
+}
+
 /// Coefficient as the quotient of two integers, with the range that fits into the arithmetic.
 pub(crate) struct Quotient {
     pub(crate) coefficient: Coefficient,
@@ -107,7 +113,7 @@ pub(crate) struct Quotient {
     pub(crate) range: CoefficientRange,
 }
 
-/// Allowed range of a coefficient, ends included; a constant like [`Range`].
+/// Allowed range of a coefficient, ends included. It is a constant: the compiler parses the decimal text, not the target.
 #[derive(Clone, Copy)]
 pub(crate) struct CoefficientRange {
     min: I32F32,
@@ -170,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_range_holds_its_ends_and_nothing_beyond() {
-        let range = Range::new("-0.5", "2.25");
+        let range = Range::between(I16F16::lit("-0.5"), I16F16::lit("2.25"));
         let checked = |bits| range.checked(Field::Gain, I16F16::from_bits(bits));
         for end in [-(1 << 15), 9 << 14] {
             assert_eq!(checked(end), Ok(end));

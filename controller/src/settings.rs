@@ -6,25 +6,26 @@ use fixed::types::I16F16;
 ///
 /// `I16F16` parses decimal text without a float in between (`"28.5".parse()`), so a host and a target that read the
 /// same file have the same bits. Nothing is checked here; [`Config::new`](crate::Config::new) checks everything once.
+/// [`Field`](crate::Field) has the unit, the range and the meaning of each setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
-    /// Sample time T_s (ms), 0.1 ..= 1000: the time between two calls of [`step`](crate::step()) (equation 6.2).
+    /// Sample time T_s (ms): the time between two calls of [`step`](crate::step()) (equation 6.2).
     pub sample_time_ms: I16F16,
-    /// Gain K (%/bar), 0.01 ..= 1000 (equation 6.2).
+    /// Gain K of equation 6.2 (%/bar).
     pub gain_pct_per_bar: I16F16,
-    /// Integral action time T_i (ms), 1 ..= 30 000 (equation 6.2); `None` gives a P or PD controller.
+    /// Integral action time T_i of equation 6.2 (ms); `None` gives a P or PD controller.
     pub integral_time_ms: Option<I16F16>,
-    /// Derivative action time T_d (ms), 0 ..= 30 000 (equation 6.2); `None` gives a P or PI controller.
+    /// Derivative action time T_d of equation 6.2 (ms); `None` gives a P or PI controller.
     pub derivative_time_ms: Option<I16F16>,
-    /// Bound of the integral part (% of u), 0 ..= 1000. It also applies when anti-windup is off.
+    /// Bound of the integral part (% of u). It also applies when anti-windup is off.
     pub integral_max_pct: I16F16,
     /// Behaviour of the integral part when the reference is reached.
     pub integral_at_reference: IntegralAtReference,
     /// Behaviour of the integral part when u is saturated (section 6.5.1).
     pub anti_windup: AntiWindup,
-    /// Deadband P_tol (bar), 0 ..= 10: both valves are off while |e| is smaller (section 6.3.1). With 0 they are off
-    /// only at e = 0 (equation 6.5).
+    /// Deadband P_tol (bar): both valves are off while |e| is smaller (section 6.3.1). With 0 they are off only at
+    /// e = 0 (equation 6.5).
     pub tolerance_bar: I16F16,
     /// Prediction horizon of the error, which switches the valves off early (section 6.5.2).
     pub prediction: Prediction,
@@ -38,12 +39,51 @@ pub struct Settings {
     pub distributor: Distributor,
     /// Lower limit DC_min of each valve's duty cycle (section 6.3.1, section 7.2); not used by [`Distributor::Traditional`].
     pub duty_min: LowerLimit,
-    /// Upper limit DC_max of the fill valve's duty cycle (%), DC_min ..= 100: full lift without over-magnetising.
+    /// Upper limit DC_max of the fill valve's duty cycle (%), at least DC_min: full lift without over-magnetising.
     pub duty_max_fill_pct: I16F16,
-    /// Upper limit DC_max of the vent valve's duty cycle (%), DC_min ..= 100.
+    /// Upper limit DC_max of the vent valve's duty cycle (%), at least DC_min.
     pub duty_max_vent_pct: I16F16,
-    /// Supply pressure p_sup (bar gauge), 1 ..= 15: the end of a pressure-dependent lower limit.
+    /// Supply pressure p_sup (bar gauge): the end of a pressure-dependent lower limit.
     pub supply_pressure_bar: I16F16,
+    /// Duty limits that follow supply voltage and coil resistance; `None` leaves them constant.
+    pub compensation: Option<Compensation>,
+    /// Model-based pulses in place of PID controller and distributor; `None`: off.
+    pub pulses: Option<Pulses>,
+}
+
+/// Model-based pulses: in each sample the one pulse that lands on the reference, from tables of a nominal plant.
+///
+/// `tolerance_bar` is their deadband, `supply_pressure_bar` their supply pressure. They need a [`Compensation`] to follow
+/// the supply voltage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pulses {
+    /// Diameter of the orifices (mm). There are tables for 1.3 and 1.9 mm; the nearest one is used.
+    pub orifice_mm: I16F16,
+    /// Rate k of the open fill valve (1/s): choked flow over supply pressure and volume.
+    pub fill_rate_per_s: I16F16,
+    /// Rate k of the open vent valve (1/s): choked flow over chamber pressure and volume.
+    pub vent_rate_per_s: I16F16,
+    /// Time from a sample to the begin of its pulse (ms).
+    pub command_delay_ms: I16F16,
+    /// Bound of the adapted opening delay (ms).
+    pub offset_max_ms: I16F16,
+    /// Bound of the adapted gain (%).
+    pub gain_max_pct: I16F16,
+    /// Bound of the adapted lag of the measured pressure (ms).
+    pub lag_max_ms: I16F16,
+    /// Bound of the leak whose drift is fed forward (bar/s).
+    pub leak_max_bar_per_s: I16F16,
+}
+
+/// Supply voltage and coil resistance at which the duty limits were found. The limits are multiplied by U₀/U · R/R₀.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Compensation {
+    /// Nominal supply voltage U₀ (V).
+    pub nominal_voltage_v: I16F16,
+    /// Resistance R₀ of a coil at the temperature at which the limits were found (ohm).
+    pub nominal_resistance_ohm: I16F16,
 }
 
 /// Anti-windup: keeps the integral part from growing while a valve cannot open further (section 6.5.1).
@@ -56,7 +96,7 @@ pub enum AntiWindup {
     ConditionalIntegration,
     /// Back-calculation: the part of u that saturation cuts off is fed back into the integral part.
     BackCalculation {
-        /// Tracking time constant T_t (ms), T_s ..= 30 000, with which the integral part is reduced.
+        /// Tracking time constant T_t (ms), at least T_s, with which the integral part is reduced.
         tracking_time_ms: I16F16,
     },
 }
@@ -110,11 +150,11 @@ pub enum SwitchOff {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Boost {
-    /// Rate (% of u per second and bar of error), 0.1 ..= 30 000.
+    /// Rate (% of u per second and bar of error).
     pub rate_pct_per_bar_s: I16F16,
-    /// Bound of the boost (% of u), 0 ..= 1000.
+    /// Bound of the boost (% of u).
     pub max_pct: I16F16,
-    /// Smallest pressure change towards the reference in one sample (bar) that counts as a response, 0 ..= 10.
+    /// Smallest pressure change towards the reference in one sample (bar) that counts as a response.
     pub response_bar: I16F16,
 }
 
@@ -142,9 +182,9 @@ pub enum Distributor {
 pub enum LowerLimit {
     /// Constant limit, the same at every pressure (section 6.3.1).
     Constant {
-        /// Limit of the fill valve (%), 0 ..= 100.
+        /// Limit of the fill valve (%).
         fill_pct: I16F16,
-        /// Limit of the vent valve (%), 0 ..= 100.
+        /// Limit of the vent valve (%).
         vent_pct: I16F16,
     },
     /// Duty cycle that just opens the valve at this chamber pressure (section 7.2). The pressure difference is p_sup -
@@ -163,12 +203,12 @@ pub enum LowerLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OpeningDuty {
-    /// Opening duty cycle without pressure difference (%), 0 ..= 100 (table 4.2).
+    /// Opening duty cycle without pressure difference (%), table 4.2.
     pub without_pressure_pct: I16F16,
     /// Opening duty cycle at half the supply pressure (%), in the middle half between the other two, so that the
     /// parabola falls along its whole length.
     pub at_half_pct: I16F16,
-    /// Opening duty cycle at the supply pressure (%), 0 ..= `without_pressure_pct` (table 4.1).
+    /// Opening duty cycle at the supply pressure (%), at most `without_pressure_pct` (table 4.1).
     pub with_supply_pressure_pct: I16F16,
 }
 
@@ -239,14 +279,36 @@ impl Settings {
             duty_max_fill_pct: I16F16::lit("82"),
             duty_max_vent_pct: I16F16::lit("80"),
             supply_pressure_bar: I16F16::lit("8.4"),
+            compensation: None,
+            pulses: None,
         };
         THESIS
     }
 
-    /// Returns the controller recommended for a truck: the thesis' controller with three changes. Its lower limits
-    /// depend on the pressure (section 7.2), its prediction ignores jumps of the reference, and its integral part
-    /// restarts when the reference is reached. The numbers were tuned on simulated rigs;
-    /// `hil-harness/controllers/recommended.toml` gives the reason for each.
+    /// Returns the model-based pulses for the nominal plant with orifices of 1.9 mm. Without them, the settings are those
+    /// of the recommended controller.
+    pub const fn pulses() -> Self {
+        const PULSES: Settings = Settings {
+            tolerance_bar: I16F16::lit("0.07"),
+            pulses: Some(Pulses {
+                orifice_mm: I16F16::lit("1.9"),
+                fill_rate_per_s: I16F16::lit("7.13"),
+                vent_rate_per_s: I16F16::lit("7.28"),
+                command_delay_ms: I16F16::lit("15"),
+                offset_max_ms: I16F16::lit("2"),
+                gain_max_pct: I16F16::lit("20"),
+                lag_max_ms: I16F16::lit("20"),
+                leak_max_bar_per_s: I16F16::lit("1.5"),
+            }),
+            ..Settings::recommended()
+        };
+        PULSES
+    }
+
+    /// Returns the controller recommended for a truck: the thesis' controller with four changes. Its lower limits
+    /// depend on the pressure (section 7.2), its prediction ignores jumps of the reference, its integral part restarts
+    /// when the reference is reached, and its duty limits follow supply voltage and coil resistance. The numbers were
+    /// tuned on simulated rigs; `hil-harness/controllers/recommended.toml` gives the reason for each.
     pub const fn recommended() -> Self {
         const RECOMMENDED: Settings = Settings {
             gain_pct_per_bar: I16F16::lit("35"),
@@ -266,6 +328,10 @@ impl Settings {
                 fill: OpeningDuty::force_balance(I16F16::lit("54.5"), I16F16::lit("28.5")),
                 vent: OpeningDuty::force_balance(I16F16::lit("51.5"), I16F16::lit("25.5")),
             },
+            compensation: Some(Compensation {
+                nominal_voltage_v: I16F16::lit("24"),
+                nominal_resistance_ohm: I16F16::lit("82.2"),
+            }),
             ..Settings::thesis()
         };
         RECOMMENDED

@@ -1,11 +1,11 @@
 //! Structure: the mechanisms of a controller, which are the choices in [`Settings`] without the numbers.
 
 use crate::anti_windup::AntiWindup;
-use crate::error::Mechanism;
 use crate::lower_limit::LowerLimit;
 use crate::settings::{
     Distributor, IntegralAtReference, Prediction, PredictionBasis, Settings, SwitchOff,
 };
+use crate::table::Field;
 
 /// Choices of a controller. If they are constant, the compiler removes the mechanisms that are not chosen. Any
 /// structure runs with any coefficients within the ranges of docs/numerics.md.
@@ -35,22 +35,22 @@ impl Structure {
     }
 
     /// Returns the first choice in which the two differ.
-    pub(crate) const fn difference(self, other: Self) -> Option<Mechanism> {
+    pub(crate) const fn difference(self, other: Self) -> Option<Field> {
         // Constant functions have no `==` on enums.
         if self.prediction as u8 != other.prediction as u8 {
-            Some(Mechanism::Prediction)
+            Some(Field::Prediction)
         } else if self.prediction_basis as u8 != other.prediction_basis as u8 {
-            Some(Mechanism::PredictionBasis)
+            Some(Field::PredictionBasis)
         } else if self.switch_off as u8 != other.switch_off as u8 {
-            Some(Mechanism::SwitchOff)
+            Some(Field::SwitchOff)
         } else if self.integral_at_reference as u8 != other.integral_at_reference as u8 {
-            Some(Mechanism::IntegralAtReference)
+            Some(Field::IntegralAtReference)
         } else if self.anti_windup as u8 != other.anti_windup as u8 {
-            Some(Mechanism::AntiWindup)
+            Some(Field::AntiWindup)
         } else if self.scheme as u8 != other.scheme as u8 {
-            Some(Mechanism::Distributor)
+            Some(Field::Distributor)
         } else if self.lower_limit as u8 != other.lower_limit as u8 {
-            Some(Mechanism::LowerLimit)
+            Some(Field::DutyMin)
         } else {
             None
         }

@@ -1,13 +1,13 @@
 //! Deadband: the tolerance within which both valves are off (section 6.3.1).
 
-use crate::error::{ConfigError, Field};
+use crate::error::ConfigError;
 use crate::pressure::ERROR_SHIFT;
-use crate::range::{Range, propagate};
+use crate::range::{checked, propagate};
 use crate::settings::Settings;
+use crate::table::Field;
 
 /// Half a unit of an input's error.
 const HALF_UNIT: i32 = 1 << (ERROR_SHIFT - 1);
-const TOLERANCE_BAR: Range = Range::new("0", "10");
 
 /// Deadband P_tol (bar), 2⁻²⁵, less half of the 2⁻¹⁶ bar in which errors come. With this half unit an error is inside
 /// only if |e| is smaller than P_tol; |e| = P_tol is outside. The value is at least half a unit: then only e = 0 is
@@ -18,7 +18,7 @@ pub(crate) struct Tolerance(i32);
 
 impl Tolerance {
     pub(crate) const fn new(settings: &Settings) -> Result<Self, ConfigError> {
-        let tolerance = propagate!(TOLERANCE_BAR.checked(Field::Tolerance, settings.tolerance_bar));
+        let tolerance = propagate!(checked(Field::Tolerance, settings.tolerance_bar));
         let at_least_one = if tolerance == 0 { 1 } else { tolerance };
         Ok(Self((at_least_one << ERROR_SHIFT).wrapping_sub(HALF_UNIT)))
     }

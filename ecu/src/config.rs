@@ -1,14 +1,16 @@
 //! Configuration: checked settings, converted into limits in the units of a sample.
 
 use controller::fixed::types::I16F16;
-use controller::{Config, Distributor};
+use controller::{Config, Distributor, Duty};
 
-use crate::error::{EcuConfigError, SupervisionField as Field};
+use crate::duty_scales::DutyScales;
+use crate::error::EcuConfigError;
 #[cfg(any(test, feature = "fault-seeding"))]
 use crate::fault::Fault;
 use crate::history::{History, Window};
 use crate::mechanism::{Mechanism, Mechanisms};
 use crate::settings::{EcuSettings, Supervision, VentValve};
+use crate::table::EcuField as Field;
 
 /// Propagates an error as `?` does, which constant functions do not have.
 macro_rules! propagate {
@@ -71,10 +73,15 @@ impl EcuConfig {
             Ok(controller) => controller,
             Err(error) => return Err(EcuConfigError::Controller(error)),
         };
+        let is_pulsed = controller.pulses().is_some();
+        if is_pulsed && matches!(settings.vent_valve, VentValve::NormallyOpen) {
+            return Err(EcuConfigError::PulsesOnNormallyOpen);
+        }
         Ok(Self {
             controller,
             vent_valve: settings.vent_valve,
-            drives_both: matches!(settings.controller.distributor, Distributor::Scheme2 { .. }),
+            drives_both: matches!(settings.controller.distributor, Distributor::Scheme2 { .. })
+                && !is_pulsed,
             limits: propagate!(Limits::new(
                 &settings.supervision,
                 settings.controller.sample_time_ms
@@ -112,6 +119,14 @@ impl EcuConfig {
     }
 }
 
+/// Lowest duty cycles at which the valves are certainly open (%), 2⁻¹⁶. Above 100 %, no duty cycle opens the valve for
+/// certain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct OpenDuties {
+    pub(crate) fill: i32,
+    pub(crate) vent: i32,
+}
+
 /// Margin for a sensor's error and noise above the highest possible pressure: 0.2 bar, one per cent of its span.
 const SENSOR_MARGIN: i64 = I16F16::lit("0.2").to_bits() as i64;
 /// Ambient pressure, the difference between gauge and absolute supply pressure, rounded up (bar).
@@ -120,6 +135,27 @@ const AMBIENT: i64 = I16F16::lit("1.02").to_bits() as i64;
 const SETTLING_SAMPLES_MAX: i64 = History::SAMPLES_MAX as i64;
 
 impl Limits {
+    /// Returns whether a supply voltage (mV) is within its window.
+    #[inline(always)]
+    pub(crate) const fn has_battery(&self, battery_mv: u16) -> bool {
+        battery_mv >= self.battery_min_mv && battery_mv <= self.battery_max_mv
+    }
+
+    /// Returns the duty cycles that open the valves for certain with these factors of the duty limits.
+    #[inline(always)]
+    pub(crate) fn open_duties(&self, vent_valve: VentValve, scales: DutyScales) -> OpenDuties {
+        OpenDuties {
+            fill: scales.fill.limit(self.open_fill),
+            vent: match vent_valve {
+                VentValve::NormallyClosed => scales.vent.limit(self.open_vent),
+                VentValve::NormallyOpen => {
+                    let open = Duty::saturating_from_bits(self.open_vent);
+                    scales.vent.duty_without_current(open).to_bits()
+                }
+            },
+        }
+    }
+
     const fn new(settings: &Supervision, sample_time_ms: I16F16) -> Result<Self, EcuConfigError> {
         let sample_ms = sample_time_ms.to_bits() as i64;
         let supply_min = propagate!(
@@ -286,7 +322,7 @@ mod tests {
         }
         assert_eq!(
             (limits.battery_min_mv, limits.battery_max_mv),
-            (20_000, 32_000)
+            (16_000, 36_000)
         );
         assert_eq!((limits.coil_min_ma, limits.coil_max_ma), (15, 640));
         assert_eq!(

@@ -15,7 +15,7 @@ pub(crate) fn digest(state: &impl Hash) -> u32 {
 }
 
 /// Buffer size, larger than all fields together; a test checks it.
-pub(crate) const BYTES_MAX: usize = 256;
+pub(crate) const BYTES_MAX: usize = 320;
 
 /// Buffer for the bytes that a derived `Hash` writes.
 struct Bytes {

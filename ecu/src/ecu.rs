@@ -1,11 +1,16 @@
 //! One sample of the ECU.
 
-use controller::{Activity, ControlSignal, Duty, Input, Output, Pressure, State, step_traced};
+use controller::{
+    Activity, ControlSignal, Duty, Input, Output, Pressure, PulseConfig, PulseState, State,
+    pulse_step, step_traced,
+};
 use hil_protocol::{ResetCause, Telemetry};
 
+use crate::coil_resistance::CoilResistances;
 use crate::config::EcuConfig;
 use crate::detector::{Command, Detectors, Observation};
 use crate::digest::digest;
+use crate::duty_scales::DutyScales;
 use crate::fault::FaultSet;
 use crate::input_output::{Inputs, Outputs, safe_outputs};
 #[cfg(any(test, feature = "fault-seeding"))]
@@ -36,8 +41,12 @@ pub struct Ecu {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct EcuState {
     controller: State,
+    pulses: PulseState,
     detectors: Detectors,
     supervisor: Supervisor,
+    resistances: CoilResistances,
+    /// Factors of the duty limits in this sample.
+    scales: DutyScales,
     command: Command,
     /// Last plausible pressure.
     pressure: Pressure,
@@ -57,8 +66,11 @@ impl Ecu {
             reset_cause: cause,
             state: EcuState {
                 controller: State::at_rest(),
+                pulses: PulseState::at_rest(),
                 detectors: Detectors::NEW,
                 supervisor: Supervisor::NEW,
+                resistances: CoilResistances::NEW,
+                scales: DutyScales::ONE,
                 command: Command {
                     valves: Valves::UNKNOWN,
                     opening: Output::OFF,
@@ -84,6 +96,12 @@ impl Ecu {
         state
             .supervisor
             .sample(config, &observation, state.pressure, is_damaged);
+        state.scales = match config.controller.compensation() {
+            Some(compensation) => state
+                .resistances
+                .sample(compensation, &config.limits, inputs),
+            None => DutyScales::ONE,
+        };
         let opening = state.opening_for(config, &observation);
         let outputs = match state.supervisor.mode() {
             Mode::Safe | Mode::Locked => safe_outputs(),
@@ -192,15 +210,30 @@ impl EcuState {
         let is_believed = observation.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
         if !self.is_controlled || !is_believed {
             // Without a pressure it cannot take over; a controller that was active stays active.
+            self.pulses.interrupt();
             self.is_controlled &= was_controlled;
             return Output::OFF;
         }
-        let mut opening = self.controlled(config, observation.reference, !was_controlled);
+        self.reference = self
+            .supervisor
+            .reference(observation.reference, self.pressure);
+        let requested = match config.controller.pulses() {
+            Some(pulses) => self.pulsed(pulses, !was_controlled),
+            None => self.controlled(config, !was_controlled),
+        };
+        let mut opening = if config.limits.mechanisms.drives_both() {
+            BOTH
+        } else {
+            requested
+        };
         if mode != Mode::Running {
             opening.duty_fill = Duty::OFF;
         }
         if !observation.reference_is_new && config.has(Mechanism::NoIncreaseWithoutReference) {
             opening.duty_fill = opening.duty_fill.min(before.duty_fill);
+        }
+        if opening != requested {
+            self.pulses.interrupt();
         }
         let drives_both = !opening.duty_fill.is_off() && !opening.duty_vent.is_off();
         if drives_both && !config.drives_both && config.has(Mechanism::BothValvesInterlock) {
@@ -211,8 +244,7 @@ impl EcuState {
 
     /// Returns the valve openings that the controller requests.
     #[inline(always)]
-    fn controlled(&mut self, config: &EcuConfig, reference: Pressure, takes_over: bool) -> Output {
-        self.reference = self.supervisor.reference(reference, self.pressure);
+    fn controlled(&mut self, config: &EcuConfig, takes_over: bool) -> Output {
         let input = Input {
             reference: self.reference,
             pressure: self.pressure,
@@ -226,20 +258,46 @@ impl EcuState {
         }
         let (output, trace) = step_traced(&config.controller, &mut self.controller, input);
         self.u = trace.u;
-        if config.limits.mechanisms.drives_both() {
-            return BOTH;
+        self.compensated(config, output)
+    }
+
+    /// Returns the valve openings that the model-based pulses request.
+    #[inline(always)]
+    fn pulsed(&mut self, pulses: &PulseConfig, takes_over: bool) -> Output {
+        let input = Input {
+            reference: self.reference,
+            pressure: self.pressure,
+        };
+        if takes_over {
+            self.pulses = self.pulses.taking_over();
         }
+        let slowness = self.resistances.slowness(self.scales);
+        let output = pulse_step(pulses, &mut self.pulses, input, slowness);
+        self.u = output.control_signal();
         output
+    }
+
+    /// Returns the valve openings whose coil currents are those of `output` at nominal voltage and resistance.
+    #[inline(always)]
+    fn compensated(&self, config: &EcuConfig, output: Output) -> Output {
+        let DutyScales { fill, vent } = self.scales;
+        match config.vent_valve {
+            VentValve::NormallyClosed => output.scaled(fill, vent),
+            VentValve::NormallyOpen => Output {
+                duty_fill: fill.duty(output.duty_fill),
+                duty_vent: vent.duty_without_current(output.duty_vent),
+            },
+        }
     }
 
     /// Stores the duty cycles that were applied to the coils.
     #[inline(always)]
     fn remember(&mut self, config: &EcuConfig, outputs: Outputs) {
         self.detectors.command(outputs);
+        self.resistances.command(outputs);
         self.command.opening = opening(outputs, config.vent_valve);
-        self.command
-            .valves
-            .record(&config.limits, self.command.opening);
+        let open = config.limits.open_duties(config.vent_valve, self.scales);
+        self.command.valves.record(open, self.command.opening);
     }
 }
 
@@ -256,7 +314,7 @@ fn coils(opening: Output, vent_valve: VentValve) -> Outputs {
         duty_fill: opening.duty_fill,
         duty_vent: match vent_valve {
             VentValve::NormallyClosed => opening.duty_vent,
-            VentValve::NormallyOpen => complement(opening.duty_vent),
+            VentValve::NormallyOpen => opening.duty_vent.complement(),
         },
     }
 }
@@ -268,15 +326,9 @@ fn opening(outputs: Outputs, vent_valve: VentValve) -> Output {
         duty_fill: outputs.duty_fill,
         duty_vent: match vent_valve {
             VentValve::NormallyClosed => outputs.duty_vent,
-            VentValve::NormallyOpen => complement(outputs.duty_vent),
+            VentValve::NormallyOpen => outputs.duty_vent.complement(),
         },
     }
-}
-
-/// Returns 100 % minus the duty cycle.
-#[inline(always)]
-fn complement(duty: Duty) -> Duty {
-    Duty::saturating_from_bits(Duty::FULL.to_bits().wrapping_sub(duty.to_bits()))
 }
 
 #[cfg(test)]

@@ -26,36 +26,36 @@ pub enum VentValve {
     NormallyOpen,
 }
 
-/// Data of the rig for the supervision.
+/// Data of the rig for the supervision. [`EcuField`](crate::EcuField) has the unit and the range of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Supervision {
-    /// Lowest supply pressure with which the fill valve must be able to work (bar gauge), 1 ..= 15.
+    /// Lowest supply pressure with which the fill valve must be able to work (bar gauge).
     pub supply_pressure_min_bar: I16F16,
-    /// Highest supply pressure (bar gauge), `supply_pressure_min_bar` ..= 15; no chamber pressure can be above it.
+    /// Highest supply pressure (bar gauge), at least `supply_pressure_min_bar`; no chamber pressure can be above it.
     pub supply_pressure_max_bar: I16F16,
-    /// Rate of the open fill valve (1/s), 0.1 ..= 50: choked flow times gas constant and temperature, divided by the
+    /// Rate of the open fill valve (1/s): choked flow times gas constant and temperature, divided by the
     /// chamber's volume and the upstream pressure, so that dp/dt is at most this rate times the absolute supply
     /// pressure.
     pub fill_rate_per_s: I16F16,
-    /// Rate of the open vent valve (1/s), 0.1 ..= 50: the same, for the absolute chamber pressure.
+    /// Rate of the open vent valve (1/s): the same, for the absolute chamber pressure.
     pub vent_rate_per_s: I16F16,
-    /// Lowest duty cycle at which the fill valve is certainly open (%), 1 ..= 100.
+    /// Lowest duty cycle at which the fill valve is certainly open (%).
     pub open_duty_fill_pct: I16F16,
-    /// Lowest duty cycle at which the vent valve is certainly open (%), 1 ..= 100.
+    /// Lowest duty cycle at which the vent valve is certainly open (%).
     pub open_duty_vent_pct: I16F16,
     /// Time from a command until the valve has certainly followed it (ms): command delay, PWM period, coil and
-    /// armature; 1 ..= 1000, and at most 32 samples.
+    /// armature; at most 32 samples.
     pub valve_settling_ms: I16F16,
-    /// Rate at which the reference is ramped down to zero in a fault, and up again after it (bar/s), 0.1 ..= 100.
+    /// Rate at which the reference is ramped down to zero in a fault, and up again after it (bar/s).
     pub ramp_bar_per_s: I16F16,
-    /// Lowest supply voltage of the ECU that can keep a valve open (V), 5 ..= 60.
+    /// Lowest supply voltage of the ECU that can keep a valve open (V).
     pub battery_min_v: I16F16,
-    /// Highest allowed supply voltage of the coils (V), `battery_min_v` ..= 60.
+    /// Highest allowed supply voltage of the coils (V), at least `battery_min_v`.
     pub battery_max_v: I16F16,
-    /// Minimum mean current of a driven coil (mA), 1 ..= 10 000; a coil that is off takes less.
+    /// Minimum mean current of a driven coil (mA); a coil that is off takes less.
     pub coil_current_min_ma: I16F16,
-    /// Maximum mean current of a healthy coil (mA), `coil_current_min_ma` ..= 10 000.
+    /// Maximum mean current of a healthy coil (mA), at least `coil_current_min_ma`.
     pub coil_current_max_ma: I16F16,
 }
 
@@ -84,8 +84,8 @@ impl Supervision {
             open_duty_vent_pct: I16F16::lit("75"),
             valve_settling_ms: I16F16::lit("60"),
             ramp_bar_per_s: I16F16::lit("5"),
-            battery_min_v: I16F16::lit("20"),
-            battery_max_v: I16F16::lit("32"),
+            battery_min_v: I16F16::lit("16"),
+            battery_max_v: I16F16::lit("36"),
             coil_current_min_ma: I16F16::lit("15"),
             coil_current_max_ma: I16F16::lit("640"),
         };

@@ -2,7 +2,7 @@
 
 use controller::{Duty, Output};
 
-use crate::config::Limits;
+use crate::config::OpenDuties;
 use crate::history::{History, Window};
 
 /// Command history of a valve.
@@ -55,9 +55,9 @@ impl Valves {
 
     /// Records the commands that were just given to the valves.
     #[inline(always)]
-    pub(crate) fn record(&mut self, limits: &Limits, opening: Output) {
-        self.fill.record(opening.duty_fill, limits.open_fill);
-        self.vent.record(opening.duty_vent, limits.open_vent);
+    pub(crate) fn record(&mut self, open: OpenDuties, opening: Output) {
+        self.fill.record(opening.duty_fill, open.fill);
+        self.vent.record(opening.duty_vent, open.vent);
     }
 }
 

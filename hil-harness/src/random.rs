@@ -20,6 +20,12 @@ pub enum Stream {
     Walk,
     /// Disturbances of frames on a bad wire.
     Wire,
+    /// Supply voltage and coil temperature of a rig.
+    OperatingConditions,
+    /// Noise of the measured supply voltage, one draw per sample.
+    VoltageNoise,
+    /// Noise of the measured coil currents, two draws per sample.
+    CurrentNoise,
 }
 
 impl Random {

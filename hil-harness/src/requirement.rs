@@ -1,5 +1,7 @@
 //! Requirements on the loop, defined in one place, with their source.
 
+use controller::{Distributor, Settings};
+
 /// Requirements on the loop. Pressures that the thesis gives in p_sup keep this unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Requirement {
@@ -15,21 +17,84 @@ pub struct Requirement {
     pub fill_to_psup: f64,
     /// Upper limit of the time of this filling, exclusive (T_req).
     pub fill_max_t_req: f64,
+    /// Reading of the time of this filling that binds.
+    pub fill_reading: Reading,
     /// Begin of the venting (p_sup), section 1.4.
     pub vent_from_psup: f64,
     /// End of the venting (p_sup).
     pub vent_to_psup: f64,
     /// Upper limit of the time of this venting, exclusive (T_req).
     pub vent_max_t_req: f64,
+    /// Reading of the time of this venting that binds.
+    pub vent_reading: Reading,
+    /// Largest pressure beyond a new reference (bar). Assumed: the thesis sets no limit, but beyond P_tol a correction
+    /// is needed.
+    pub overshoot_bar: f64,
+    /// Whether a larger overshoot fails the loop.
+    pub is_overshoot_binding: bool,
+    /// Rule for both valves energised in one sample.
+    pub both_valves: BothValves,
     /// Lowest and highest duty cycle of the fill valve, apart from 0 (%). The lowest of all conditions is that of the
     /// thesis' Scheme 1 (section 6.4.1), the highest fully opens (table 4.1).
     pub duty_fill_pct: [f64; 2],
     /// Lowest and highest duty cycle of the vent valve, apart from 0 (%), tables 4.1 and 4.2.
     pub duty_vent_pct: [f64; 2],
+    /// Smallest and largest factor by which the loop may multiply these duty cycles: 1 without compensation of supply
+    /// voltage and coil resistance.
+    pub duty_factors: [f64; 2],
+    /// Whether model-based pulses drive the valves: a pulse has no limits of the duty cycle.
+    pub is_pulsed: bool,
     /// Largest number of valve actuations within any one second at rest, both valves together. Assumed, because the
     /// thesis gives no number: it asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few
     /// pulses; more is a limit cycle.
     pub rest_actuations_per_s: u32,
+    /// Whether more actuations at rest fail the loop.
+    pub is_rest_binding: bool,
+    /// Largest mean number of lifts of both valves (1/s), binding; `None`: not judged.
+    pub lifts_per_s: Option<f64>,
+}
+
+/// Reading of the time of a timed passage, such as the filling from ambient pressure to 0.26 p_sup.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// Whether it begins with the step of the reference; otherwise with the first motion of the pressure, as in table
+    /// 4.3.
+    pub with_dead_time: bool,
+    /// Whether it ends at the level itself; otherwise P_tol before the reference, if that comes before the level.
+    pub to_level: bool,
+}
+
+impl Reading {
+    /// All readings: the two to within P_tol first.
+    pub const ALL: [Self; 4] = [
+        Self::new(false, false),
+        Self::new(true, false),
+        Self::new(false, true),
+        Self::new(true, true),
+    ];
+
+    const fn new(with_dead_time: bool, to_level: bool) -> Self {
+        Self {
+            with_dead_time,
+            to_level,
+        }
+    }
+}
+
+/// Rule for both valves energised in one sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BothValves {
+    /// Never, unless Scheme 2 distributes the duty cycle: it energises both on purpose (section 6.3.2).
+    AsTheScheme,
+    /// Never, as in Scheme 1 (section 6.3.1).
+    Never,
+    /// Allowed.
+    Allowed,
+}
+
+impl BothValves {
+    /// All rules.
+    pub const ALL: [Self; 3] = [Self::AsTheScheme, Self::Never, Self::Allowed];
 }
 
 impl Requirement {
@@ -41,13 +106,61 @@ impl Requirement {
         operating_range_psup: [0.18, 0.71],
         fill_to_psup: 0.26,
         fill_max_t_req: 0.10,
+        fill_reading: Reading::new(false, false),
         vent_from_psup: 0.88,
         vent_to_psup: 0.71,
         vent_max_t_req: 0.05,
+        vent_reading: Reading::new(false, false),
+        overshoot_bar: 0.1,
+        is_overshoot_binding: false,
+        both_valves: BothValves::AsTheScheme,
         duty_fill_pct: [25.5, 82.0],
         duty_vent_pct: [25.5, 80.0],
+        duty_factors: [1.0, 1.0],
+        is_pulsed: false,
         rest_actuations_per_s: 3,
+        is_rest_binding: false,
+        lifts_per_s: None,
     };
+
+    /// Returns the requirement on a loop with this controller: pulses or a distributor of the control signal.
+    #[must_use]
+    pub fn with_controller(&self, controller: &Settings) -> Self {
+        let is_pulsed = controller.pulses.is_some();
+        let is_scheme_2 =
+            matches!(controller.distributor, Distributor::Scheme2 { .. }) && !is_pulsed;
+        Self {
+            is_pulsed,
+            both_valves: match self.both_valves {
+                BothValves::AsTheScheme if is_scheme_2 => BothValves::Allowed,
+                other => other,
+            },
+            ..*self
+        }
+    }
+
+    /// Returns the requirement on a loop that may multiply its duty limits by these factors.
+    #[must_use]
+    pub const fn with_duty_factors(&self, duty_factors: [f64; 2]) -> Self {
+        Self {
+            duty_factors,
+            ..*self
+        }
+    }
+
+    /// Returns the place in the thesis that a text cites, in round brackets; nothing for other requirements.
+    pub(crate) fn cite(&self, place: &str) -> String {
+        let of_thesis = Self {
+            both_valves: self.both_valves,
+            duty_factors: self.duty_factors,
+            is_pulsed: self.is_pulsed,
+            ..Self::THESIS
+        };
+        match *self == of_thesis {
+            true => format!(" ({place})"),
+            false => String::new(),
+        }
+    }
 
     /// Returns a share of the supply pressure (bar gauge).
     pub fn psup(&self, share: f64) -> f64 {

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::{JudgeError, Verdict};
+use crate::operating_conditions::{ConditionScatter, coil_temperature_c};
 use crate::random::{Random, Stream};
 use crate::requirement::Requirement;
 use crate::run::{RunError, run_in_process};
@@ -83,6 +84,10 @@ pub struct RigVerdict {
     pub rig: u32,
     /// Seed of its scenario: [`scattered`] gives the rig, and the same scenario with this seed repeats the run.
     pub seed: u64,
+    /// Supply voltage (V); at time 0, if it changes.
+    pub supply_voltage_v: f64,
+    /// Temperature of the coils (°C); at the start, if it changes.
+    pub coil_temperature_c: f64,
     /// Verdict on the loop.
     pub verdict: Verdict,
 }
@@ -111,36 +116,60 @@ pub enum RigError {
         /// Error of the run.
         error: Box<RunError>,
     },
+    /// A value of the operating conditions is out of range.
+    #[error("{condition}: {error}")]
+    Condition {
+        /// Name of the condition.
+        condition: String,
+        /// Error of the parameter.
+        error: Box<ParameterError>,
+    },
     /// The run could not be judged.
     #[error(transparent)]
     Judge(#[from] JudgeError),
 }
 
-/// Runs `scenario` on `count` rigs of its plant's kind, lazily, one per step of the iterator.
+/// Runs `scenario` on `count` rigs of its plant's kind under its own operating conditions, lazily, one per step of the
+/// iterator.
 pub fn verdicts<'a>(
     scenario: &'a Scenario,
     requirement: &'a Requirement,
     count: u32,
 ) -> impl ExactSizeIterator<Item = Result<RigVerdict, RigError>> + 'a {
+    verdicts_in_operation(scenario, requirement, count, ConditionScatter::default())
+}
+
+/// Runs `scenario` on the same rigs as [`verdicts`], each under its own operating conditions.
+pub fn verdicts_in_operation<'a>(
+    scenario: &'a Scenario,
+    requirement: &'a Requirement,
+    count: u32,
+    conditions: ConditionScatter,
+) -> impl ExactSizeIterator<Item = Result<RigVerdict, RigError>> + 'a {
     let seeds = Random::new(scenario.seed, Stream::RigSeed);
     (0..count).map(move |rig| {
         let seed = seeds.bits(rig.into());
-        let plant = scattered(&scenario.plant, seed).map_err(|error| RigError::Parameters {
+        let on_rig = || {
+            let plant = scattered(&scenario.plant, seed)?;
+            let scenario = scenario.clone().on_rig(plant).seeded(seed);
+            conditions.draw(seed).applied_to(scenario)
+        };
+        let scenario = on_rig().map_err(|error| RigError::Parameters {
             rig,
             seed,
             error: Box::new(error),
         })?;
-        let run =
-            run_in_process(&scenario.clone().on_rig(plant).seeded(seed)).map_err(|error| {
-                RigError::Run {
-                    rig,
-                    seed,
-                    error: Box::new(error),
-                }
-            })?;
+        let run = run_in_process(&scenario).map_err(|error| RigError::Run {
+            rig,
+            seed,
+            error: Box::new(error),
+        })?;
+        let supply_voltage = scenario.supply.map(|supply| supply.at_s(0.0));
         Ok(RigVerdict {
             rig,
             seed,
+            supply_voltage_v: supply_voltage.unwrap_or(scenario.plant.ecu.supply_voltage_v),
+            coil_temperature_c: coil_temperature_c(&scenario.plant),
             verdict: run.verdict(requirement)?,
         })
     })

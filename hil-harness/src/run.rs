@@ -2,11 +2,14 @@
 
 use core::ops::ControlFlow;
 
+use controller::Settings;
 use recording::Recording;
 
 use crate::checks::{JudgeError, Verdict, judge};
+use crate::confirmed_fault::{self, ConfirmedFault};
 use crate::device::{DeviceUnderTest, DutError};
 use crate::difference::Difference;
+use crate::duty_factors::duty_factors;
 use crate::ecu_under_test::InProcess;
 use crate::requirement::Requirement;
 use crate::scenario::{Scenario, ScenarioError};
@@ -27,6 +30,10 @@ pub struct Run {
     pub device: String,
     /// Log of the device, oldest line first.
     pub log: Vec<String>,
+    /// Settings of the controller, which decide whether both valves may be energised together, and with which duty cycles.
+    pub controller: Settings,
+    /// Smallest and largest factor by which the conditions of the run multiply the duty limits.
+    pub duty_factors: [f64; 2],
 }
 
 impl Run {
@@ -41,12 +48,29 @@ impl Run {
         })
     }
 
-    /// Judges the run by `requirement`.
+    /// Judges the run by `requirement`, and names the faults that the ECU confirmed.
     ///
     /// # Errors
     /// Returns an error if a signal is missing, which never occurs in a run of [`run`].
     pub fn verdict(&self, requirement: &Requirement) -> Result<Verdict, JudgeError> {
-        judge(&self.recording, requirement)
+        let requirement = requirement
+            .with_controller(&self.controller)
+            .with_duty_factors(self.duty_factors);
+        let verdict = judge(&self.recording, &requirement)?;
+        Ok(Verdict {
+            confirmed_faults: Some(self.confirmed_faults()),
+            ..verdict
+        })
+    }
+
+    /// Returns the faults that the ECU confirmed, in the order of their first confirmation.
+    pub fn confirmed_faults(&self) -> Vec<ConfirmedFault> {
+        let Some(times) = self.recording.time_base_of("p_ref") else {
+            return Vec::new();
+        };
+        let lead_in = self.exchanges.len() - times.len();
+        let sample_s = times.sampling().median_step_s.unwrap_or_default();
+        confirmed_fault::confirmed(&self.exchanges, lead_in, sample_s)
     }
 }
 
@@ -153,10 +177,13 @@ pub fn run_watched(
         }
         world.actuate(answer.actuators);
     }
+    let duty_factors = duty_factors(scenario, &exchanges);
     Ok(Run {
         recording: trace.into_recording(scenario, &identity)?,
         exchanges,
         device: identity,
         log,
+        controller: scenario.controller,
+        duty_factors,
     })
 }

@@ -10,7 +10,8 @@ use crate::controller_file;
 use crate::lead_in::LeadIn;
 use crate::reference_profile::ReferenceProfile;
 use crate::requirement::Requirement;
-use crate::supervision::{supervision, vent_valve};
+use crate::supervision::{supervision, vent_valve, with_nominal_values};
+use crate::voltage_profile::Supply;
 
 /// All data that determines a run. Two runs of one scenario are equal bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,8 @@ pub struct Scenario {
     pub supervision: Supervision,
     /// Noise of the pressure sensor before the ADC (mbar rms).
     pub sensor_noise_mbar_rms: f64,
+    /// Supply voltage from time 0 on; `None`: that of the plant.
+    pub supply: Option<Supply>,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -59,6 +62,7 @@ impl Scenario {
             start_pressure_bar: 0.0,
             controller: controller_file::recommended(),
             sensor_noise_mbar_rms: BENCH_NOISE_MBAR_RMS,
+            supply: None,
             seed: 1,
         }
     }
@@ -67,8 +71,10 @@ impl Scenario {
     /// same for any sample time.
     #[must_use]
     pub fn on(self, plant: PlantParameters) -> Self {
+        let controller = followed(self.controller, &self.plant, &plant);
         Self {
             supervision: supervision(&plant),
+            controller,
             ..self.on_rig(plant)
         }
     }
@@ -85,10 +91,13 @@ impl Scenario {
         }
     }
 
-    /// Returns the scenario with another controller.
+    /// Returns the scenario with another controller. The nominal values of a shipped controller become those of the plant.
     #[must_use]
     pub fn controlled_by(self, controller: Settings) -> Self {
-        Self { controller, ..self }
+        Self {
+            controller: with_nominal_values(controller, &self.plant),
+            ..self
+        }
     }
 
     /// Returns the scenario with another seed.
@@ -156,7 +165,41 @@ impl Scenario {
                 plant_ms,
             });
         }
+        let period_ms = plant_period_ms(&self.plant);
+        if self.controller.pulses.is_some() && (period_ms - plant_ms).abs() > 1e-6 {
+            return Err(ScenarioError::PulsePeriod {
+                period_ms,
+                sample_ms: plant_ms,
+            });
+        }
         Ok(())
+    }
+}
+
+/// Returns the PWM period of a plant (ms).
+fn plant_period_ms(plant: &PlantParameters) -> f64 {
+    plant.ecu.pwm_period_ns() as f64 * 1e-6
+}
+
+/// Returns the controller with the nominal values of the plant `to` where it has those of the plant `from`.
+fn followed(controller: Settings, from: &PlantParameters, to: &PlantParameters) -> Settings {
+    let shipped = Settings::pulses();
+    let with_shipped = Settings {
+        compensation: shipped.compensation,
+        pulses: shipped.pulses,
+        ..controller
+    };
+    let [old, new] = [from, to].map(|plant| with_nominal_values(with_shipped, plant));
+    Settings {
+        compensation: match controller.compensation {
+            Some(_) if controller.compensation == old.compensation => new.compensation,
+            other => other,
+        },
+        pulses: match controller.pulses {
+            Some(_) if controller.pulses == old.pulses => new.pulses,
+            other => other,
+        },
+        ..controller
     }
 }
 
@@ -187,6 +230,9 @@ impl fmt::Display for Scenario {
             PressureSensor::STEP_PA,
             self.sensor_noise_mbar_rms
         )?;
+        if let Some(supply) = self.supply {
+            writeln!(f, "# supply voltage from time 0 on: {supply}")?;
+        }
         writeln!(f, "\n{}", controller_file::write(&self.controller))?;
         f.write_str(&self.plant.to_toml())
     }
@@ -414,6 +460,17 @@ pub enum ScenarioError {
     Noise {
         /// Wanted noise (mbar rms).
         mbar_rms: f64,
+    },
+    /// Model-based pulses with another PWM period than the sample time.
+    #[error(
+        "model-based pulses need a PWM period of one sample: ecu.pwm_frequency_hz gives {period_ms} ms, \
+         ecu.sample_time_s {sample_ms} ms; make both equal, or leave out the table [pulses]"
+    )]
+    PulsePeriod {
+        /// PWM period of the plant (ms).
+        period_ms: f64,
+        /// Sample time of the plant (ms).
+        sample_ms: f64,
     },
     /// Controller and plant have different sample times.
     #[error(

@@ -4,12 +4,22 @@
 
 use ecu::{PressureSensor, SensorCode};
 
+use crate::wire;
+
 /// Returns the nearest code at a pressure (Pa abs), saturated at the rails. A NaN gives the lowest code.
 pub fn code(pressure_pa: f64) -> SensorCode {
     let steps = (pressure_pa - PressureSensor::LOWEST_PA as f64) / PressureSensor::STEP_PA as f64;
     let code = (steps + PressureSensor::CODE_AT_LOWEST as f64).round();
     // The conversion saturates by definition of `as`; a value beyond 12 bits is above the upper rail.
     SensorCode::from_bits(code as u16).unwrap_or(SensorCode::MAX)
+}
+
+/// Step of the ADC behind the divider of the supply voltage (mV): 12 bits over 65.5 V.
+const BATTERY_STEP_MV: f64 = 16.0;
+
+/// Returns the supply voltage (mV) that the ECU reads at `volt`: the nearest step of its ADC.
+pub fn battery_mv(volt: f64) -> u16 {
+    wire::battery_mv((1e3 * volt / BATTERY_STEP_MV).round() * BATTERY_STEP_MV * 1e-3)
 }
 
 #[cfg(test)]

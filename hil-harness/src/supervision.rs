@@ -1,6 +1,7 @@
 //! Supervision settings of an ECU for a kind of rig, from the parameters of its plant.
 
 use controller::fixed::types::I16F16;
+use controller::{Compensation, Field, Pulses, Settings};
 use ecu::{Supervision, VentValve};
 use plant_sim::PlantParameters;
 use plant_sim::plant::VENT;
@@ -39,19 +40,85 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
     }
 }
 
+/// Returns the controller with the nominal values of `plant`: voltage and resistance of its compensation, orifice, rates
+/// and command delay of its pulses. Each stays if it is not the one of the shipped controllers.
+pub fn with_nominal_values(controller: Settings, plant: &PlantParameters) -> Settings {
+    let shipped = Settings::pulses();
+    Settings {
+        compensation: if controller.compensation == shipped.compensation {
+            compensation(plant)
+        } else {
+            controller.compensation
+        },
+        pulses: match shipped.pulses {
+            Some(pulses) if controller.pulses == shipped.pulses => Some(pulses_on(pulses, plant)),
+            _ => controller.pulses,
+        },
+        ..controller
+    }
+}
+
+/// Returns the pulses of the nominal plant with the orifice, the rates and the command delay of `plant`. A value beyond
+/// the range of its setting is the end of the range.
+fn pulses_on(pulses: Pulses, plant: &PlantParameters) -> Pulses {
+    let nominal = PlantParameters::nominal();
+    let value = |field: Field, shipped: I16F16, by: &dyn Fn(&PlantParameters) -> f64| {
+        let [min, max] = field.range();
+        let ratio = by(plant) / by(&nominal);
+        if ratio == 1.0 {
+            return shipped;
+        }
+        I16F16::saturating_from_num(shipped.to_num::<f64>() * ratio).clamp(min, max)
+    };
+    Pulses {
+        orifice_mm: value(Field::PulseOrifice, pulses.orifice_mm, &|plant| {
+            plant.flow.orifice_fill_m
+        }),
+        fill_rate_per_s: value(Field::PulseFillRate, pulses.fill_rate_per_s, &|plant| {
+            rate(plant, plant.flow.discharge_fill, plant.flow.orifice_fill_m)
+        }),
+        vent_rate_per_s: value(Field::PulseVentRate, pulses.vent_rate_per_s, &|plant| {
+            rate(plant, plant.flow.discharge_vent, plant.flow.orifice_vent_m)
+        }),
+        command_delay_ms: value(Field::PulseDelay, pulses.command_delay_ms, &|plant| {
+            plant.ecu.command_delay_s
+        }),
+        ..pulses
+    }
+}
+
+/// Returns the compensation with the nominal voltage and resistance of `plant`; `None` for a plant beyond the range of
+/// these settings.
+fn compensation(plant: &PlantParameters) -> Option<Compensation> {
+    let of_plant = |field: Field, value: f64| {
+        let [min, max] = field.range();
+        let value = I16F16::saturating_from_num(value);
+        (min..=max).contains(&value).then_some(value)
+    };
+    let voltage = of_plant(Field::NominalVoltage, plant.ecu.supply_voltage_v);
+    let resistance = of_plant(Field::NominalResistance, plant.coil.resistance_20c_ohm);
+    voltage
+        .zip(resistance)
+        .map(|(nominal_voltage_v, nominal_resistance_ohm)| Compensation {
+            nominal_voltage_v,
+            nominal_resistance_ohm,
+        })
+}
+
 /// Returns the position of the vent valve of `plant` without current.
 pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     match plant.functions[VENT] {
         ValveFunction::NormallyOpen | ValveFunction::AlwaysOpen => VentValve::NormallyOpen,
         ValveFunction::NormallyClosed
         | ValveFunction::OnOff
+        | ValveFunction::Proportional
         | ValveFunction::Blocked
         | ValveFunction::Absent => VentValve::NormallyClosed,
     }
 }
 
 /// Returns the rate of an open valve up to a factor common to all plants: choked flow into the chamber's volume.
-fn rate(plant: &PlantParameters, discharge: f64, orifice_m: f64) -> f64 {
+pub(crate) fn rate(plant: &PlantParameters, discharge: f64, orifice_m: f64) -> f64 {
     let gas = &plant.gas;
     let sound_m_per_s = (gas.gas_constant_j_per_kg_k * gas.temperature_k).sqrt();
     discharge * orifice_m * orifice_m * sound_m_per_s / plant.chamber.volume_m3

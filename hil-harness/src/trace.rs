@@ -22,7 +22,7 @@ pub enum NotRecorded {
 pub(crate) struct Trace {
     columns: [(&'static str, Unit, Vec<f64>); 12],
     /// Number of lifts of the valves before time 0.
-    lifts_before: Option<[u32; 2]>,
+    lifts_before: Option<[u64; 2]>,
 }
 
 impl Trace {
@@ -63,8 +63,8 @@ impl Trace {
             1e3 * shown.mean_current[1],
             1e3 * shown.position[0],
             1e3 * shown.position[1],
-            (lifts[0] - before[0]).into(),
-            (lifts[1] - before[1]).into(),
+            (lifts[0] - before[0]) as f64,
+            (lifts[1] - before[1]) as f64,
         ];
         for ((_, _, column), value) in self.columns.iter_mut().zip(row) {
             column.push(value);

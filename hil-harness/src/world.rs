@@ -7,12 +7,14 @@ use crate::scenario::Scenario;
 use crate::sensor;
 use crate::wire::{self, Actuators, Sensors};
 
-/// Interval at which the armatures are observed (ns): a full stroke and back takes several milliseconds.
-const WATCH_NS: u64 = 1_000_000;
-/// Share of the stroke above which an armature counts as lifted.
-const LIFTED_ABOVE: f64 = 0.10;
-/// Share of the stroke below which a lifted armature counts as down again.
-const DOWN_BELOW: f64 = 0.05;
+/// Interval at which a supply voltage follows its profile (ns): a tenth of the fastest edge of a profile.
+const VOLTAGE_NS: u64 = 1_000_000;
+
+/// Noise of the measured supply voltage (V rms): two steps of the ADC, with the ripple of an alternator filtered
+/// (assumed).
+const VOLTAGE_NOISE_V_RMS: f64 = 0.03;
+/// Noise of a measured mean coil current (A rms): a shunt amplifier with a full scale of 1 A (assumed).
+const CURRENT_NOISE_A_RMS: f64 = 1e-3;
 
 /// World of a scenario, sample by sample: sense, then actuate.
 #[derive(Clone, Debug)]
@@ -20,11 +22,14 @@ pub struct World<'a> {
     scenario: &'a Scenario,
     simulator: Simulator,
     noise: Random,
+    voltage_noise: Random,
+    current_noise: Random,
     sample_ns: u64,
     /// Number of samples sensed so far.
     samples: u32,
     shown: Sample,
-    lifts: [Lifts; 2],
+    /// Supply voltage in place of that of the scenario (V).
+    forced_supply_v: Option<f64>,
 }
 
 impl<'a> World<'a> {
@@ -36,9 +41,11 @@ impl<'a> World<'a> {
             shown: simulator.sample(),
             simulator,
             noise: Random::new(scenario.seed, Stream::SensorNoise),
+            voltage_noise: Random::new(scenario.seed, Stream::VoltageNoise),
+            current_noise: Random::new(scenario.seed, Stream::CurrentNoise),
             sample_ns: scenario.plant.ecu.sample_time_ns(),
             samples: 0,
-            lifts: [Lifts::default(); 2],
+            forced_supply_v: None,
         }
     }
 
@@ -62,15 +69,17 @@ impl<'a> World<'a> {
         // Counted from time 0, so that a longer lead-in changes no draw after it.
         let draw = u64::from(sample).wrapping_sub(lead_in.samples().into());
         let noise_pa = 100.0 * self.scenario.sensor_noise_mbar_rms * self.noise.normal(draw);
-        let [current_fill, current_vent] = self.shown.mean_current;
+        let voltage_v =
+            self.supply_voltage_v() + VOLTAGE_NOISE_V_RMS * self.voltage_noise.normal(draw);
+        let [current_fill, current_vent] = self.sensed_currents(draw);
         Sensors {
             sample,
             elapsed_us: u32::try_from(self.sample_ns / 1000).unwrap_or(u32::MAX),
             reference: Some(wire::reference_bits(reference_bar)),
-            pressure: Some(sensor::code(self.shown.pressure + noise_pa).bits()),
+            pressure: Some(sensor::code(self.shown.measured_pressure + noise_pa).bits()),
             current_fill_ma: Some(wire::current_ma(current_fill)),
             current_vent_ma: Some(wire::current_ma(current_vent)),
-            battery_mv: Some(wire::battery_mv(self.scenario.plant.ecu.supply_voltage_v)),
+            battery_mv: Some(sensor::battery_mv(voltage_v)),
         }
     }
 
@@ -80,15 +89,41 @@ impl<'a> World<'a> {
             duty_fill_pct: wire::duty_pct(actuators.duty_fill),
             duty_vent_pct: wire::duty_pct(actuators.duty_vent),
         });
-        let stroke = self.scenario.plant.armature.stroke_m;
         let end_ns = self.simulator.time_ns() + self.sample_ns;
+        let interval_ns = self.scenario.supply.map_or(self.sample_ns, |_| VOLTAGE_NS);
         while self.simulator.time_ns() < end_ns {
-            let watch_ns = self.simulator.time_ns() + WATCH_NS;
-            self.simulator.advance_to_ns(watch_ns.min(end_ns));
-            for (lifts, valve) in self.lifts.iter_mut().zip(&self.simulator.state().valves) {
-                lifts.watch(valve.x / stroke);
-            }
+            self.simulator.set_supply_voltage(self.supply_voltage_v());
+            let next_ns = self.simulator.time_ns() + interval_ns;
+            self.simulator.advance_to_ns(next_ns.min(end_ns));
         }
+    }
+
+    /// Sets the supply voltage (V) of plant and measurement, to apply a fault; none restores that of the scenario.
+    pub fn force_supply(&mut self, volt: Option<f64>) {
+        self.forced_supply_v = volt;
+    }
+
+    /// Returns the supply voltage at the ECU now (V).
+    fn supply_voltage_v(&self) -> f64 {
+        if let Some(volt) = self.forced_supply_v {
+            return volt;
+        }
+        let lead_in_ns = u64::from(self.scenario.lead_in().samples()) * self.sample_ns;
+        let since_start_ns = self.simulator.time_ns().checked_sub(lead_in_ns);
+        match (self.scenario.supply, since_start_ns) {
+            (Some(supply), Some(since_start_ns)) => supply.at_s(since_start_ns as f64 * 1e-9),
+            _ => self.scenario.plant.ecu.supply_voltage_v,
+        }
+    }
+
+    /// Returns the mean coil currents with the noise of draw number `draw` (A).
+    fn sensed_currents(&self, draw: u64) -> [f64; 2] {
+        let [fill, vent] = self.shown.mean_current;
+        let noise = |valve| {
+            let draw = draw.wrapping_mul(2).wrapping_add(valve);
+            CURRENT_NOISE_A_RMS * self.current_noise.normal(draw)
+        };
+        [fill + noise(0), vent + noise(1)].map(|current| current.max(0.0))
     }
 
     /// Returns the plant at the ECU's last measurement.
@@ -101,31 +136,13 @@ impl<'a> World<'a> {
         (self.shown.pressure - self.scenario.plant.gas.ambient_pressure_pa) / 1e5
     }
 
-    /// Returns the numbers of lifts of the fill and the vent valve since power-on.
-    pub fn lifts(&self) -> [u32; 2] {
-        self.lifts.map(|lifts| lifts.count)
+    /// Returns the numbers of lifts of the fill and the vent valve since power-on, each bounce included.
+    pub fn lifts(&self) -> [u64; 2] {
+        self.simulator.lifts()
     }
 
     /// Returns the plant, to apply a fault.
     pub fn simulator_mut(&mut self) -> &mut Simulator {
         &mut self.simulator
-    }
-}
-
-/// Counter of an armature's lifts.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lifts {
-    is_lifted: bool,
-    count: u32,
-}
-
-impl Lifts {
-    fn watch(&mut self, share_of_stroke: f64) {
-        if self.is_lifted {
-            self.is_lifted = share_of_stroke >= DOWN_BELOW;
-        } else if share_of_stroke > LIFTED_ABOVE {
-            self.is_lifted = true;
-            self.count += 1;
-        }
     }
 }

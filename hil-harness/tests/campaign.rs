@@ -66,6 +66,19 @@ fn a_comeback_is_judged_until_the_next_fault_begins() {
     assert_eq!(outcome(&injection, &mut whole()).violations, []);
 }
 
+/// Defect seen: at 17 V a duty cycle of 83 % is the current of 60 % at 24 V. The oracle took the valve for open, and saw a
+/// pressure that did not rise.
+#[test]
+fn a_duty_cycle_opens_a_valve_by_its_current() {
+    for line in [
+        "ecu/battery-low onset=81 duration=336 times=1 severity=0.11 rig=878 seed=0x7a4298",
+        "ecu/battery-low onset=329 duration=220 times=1 severity=0.26 rig=752 seed=0x57f9b0e7",
+    ] {
+        let injection: Injection = line.parse().expect("a line");
+        assert_eq!(outcome(&injection, &mut whole()).violations, [], "{line}");
+    }
+}
+
 /// Part of the campaign that needs one mechanism: a fault on several rigs with several drives.
 struct Slice<T> {
     /// Required mechanism.

@@ -123,6 +123,7 @@ impl Commands {
             shut_pct: parameters.functions.map(|function| match function {
                 ValveFunction::NormallyClosed
                 | ValveFunction::OnOff
+                | ValveFunction::Proportional
                 | ValveFunction::Blocked
                 | ValveFunction::Absent => 0.0,
                 ValveFunction::NormallyOpen => 100.0,

@@ -2,7 +2,8 @@
 //! counts in an error.
 //!
 //! A gap ends with the first row after it, but the valves there still follow earlier, unknown commands. Rows count again once the commands
-//! of that row are in force and have settled: a delay, a PWM period and 50 ms later.
+//! of that row are in force and have settled: a delay, a PWM period and 50 ms later, and where a line leads to a second chamber, once the
+//! two chambers are in balance.
 
 use std::ops::Range;
 
@@ -45,6 +46,20 @@ pub(crate) struct Gap {
     pub(crate) is_without_commands: bool,
 }
 
+/// Returns the time (s) until the pressure of the chamber without a sensor no longer depends on the gap: the one in which choked flow moves
+/// the difference of the two pressures by 1 bar per bar of the higher one, V1 V2 / (V1 + V2) / (C p0) with p0 = 1 bar (ISO 6358). 0 without a
+/// second chamber.
+fn balance_s(parameters: &PlantParameters) -> f64 {
+    if !Part::SecondChamber.is_in(parameters) {
+        return 0.0;
+    }
+    let second = &parameters.second_chamber;
+    let volumes = [parameters.chamber.volume_m3, second.volume_m3];
+    let in_series = volumes[0] * volumes[1] / (volumes[0] + volumes[1]);
+    let conductance = second.conductance_dm3_per_s_bar * 1e-3;
+    in_series / conductance
+}
+
 impl Gaps {
     /// Returns the gaps of a log with these rows.
     pub(crate) fn of(parameters: &PlantParameters, inputs: &Inputs) -> Self {
@@ -64,7 +79,10 @@ impl Gaps {
         let times_s = base.times_s();
         let settled_s = match is_commanded {
             true => {
-                parameters.ecu.command_delay_s + 1.0 / parameters.ecu.pwm_frequency_hz + SETTLE_S
+                parameters.ecu.command_delay_s
+                    + 1.0 / parameters.ecu.pwm_frequency_hz
+                    + SETTLE_S
+                    + balance_s(parameters)
             }
             false => 0.0,
         };
@@ -261,6 +279,20 @@ mod tests {
         assert_eq!(found.between(51..52), []);
         assert_eq!(found.longest(100), 0..50);
         assert_eq!(found.longest(30), 0..30);
+    }
+
+    /// Defect seen: the chamber behind the valves began in balance with the other one after each gap, 0.34 bar off during a fill.
+    #[test]
+    fn rows_after_a_gap_count_once_two_chambers_are_in_balance() {
+        let mut plant = PlantParameters::nominal();
+        plant.chamber.volume_m3 = 80e-6;
+        plant.second_chamber.volume_m3 = 120e-6;
+        plant.second_chamber.conductance_dm3_per_s_bar = 0.4;
+        // 48 cm3 in series over 0.4 dm3/(s bar) times 1 bar.
+        assert!((balance_s(&plant) - 0.12).abs() < 1e-12);
+        let shown = (0..100).map(|row| (row, true));
+        let found = Gaps::at(&plant, (&paused(11), 0.01), shown);
+        assert_eq!(found.list[0].rows, 50..70);
     }
 
     #[test]

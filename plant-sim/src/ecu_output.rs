@@ -61,6 +61,11 @@ impl EcuOutput {
             .fold(self.next_period_ns, u64::min)
     }
 
+    /// Returns the duty cycles (%) in force, fill and vent.
+    pub fn in_force_pct(&self) -> [f64; 2] {
+        self.in_force.duty_pct()
+    }
+
     /// Updates the outputs to `now_ns`, which is not beyond the next edge, and returns which are high (fill, vent) from
     /// now on.
     pub fn update(&mut self, now_ns: u64) -> [bool; 2] {

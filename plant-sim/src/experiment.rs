@@ -69,6 +69,18 @@ pub fn opening_duty_pct(
 /// `None` if even 100 % does not keep it open, and for a normally open valve.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
+    staying_duty_pct(parameters, valve, lift)
+}
+
+/// Returns the lowest duty cycle (%) at which the armature rests at full stroke through the whole PWM period, with no
+/// pressure across the valve: the strict reading of a valve that is kept open. Returns `None` as
+/// [`holding_duty_pct`] does.
+pub fn full_stroke_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
+    staying_duty_pct(parameters, valve, parameters.armature.stroke_m)
+}
+
+/// Returns the lowest duty cycle (%) at which the armature stays at or above `lift` (m) in the steady PWM cycle.
+fn staying_duty_pct(parameters: &PlantParameters, valve: ValveId, lift: f64) -> Option<f64> {
     let start_ns = settled_ns(parameters);
     let end_ns = start_ns + WATCHED_PERIODS * parameters.ecu.pwm_period_ns();
     lowest_duty_pct(parameters, valve, |duty_pct| {
@@ -281,6 +293,20 @@ mod tests {
             (mean / steady_current(&nominal, 75.0)[0] - 1.0).abs() < 1e-3,
             "{mean}"
         );
+    }
+
+    /// Section 4.1's limit by ear is some 7 % of duty below the one at which the armature no longer moves.
+    #[test]
+    fn an_armature_rests_at_full_stroke_only_above_the_limit_that_keeps_it_open() {
+        let nominal = PlantParameters::nominal();
+        for valve in [ValveId::Fill, ValveId::Vent] {
+            let open = holding_duty_pct(&nominal, valve).unwrap();
+            let full = full_stroke_duty_pct(&nominal, valve).unwrap();
+            assert!(
+                (5.0..10.0).contains(&(full - open)),
+                "{valve:?}: {open} % and {full} %"
+            );
+        }
     }
 
     #[test]

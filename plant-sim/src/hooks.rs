@@ -24,6 +24,8 @@ pub struct Now<'a> {
     pub position: [f64; 2],
     /// Armature velocities (m/s).
     pub velocity: [f64; 2],
+    /// Duty cycles in force (0 to 1).
+    pub duty: [f64; 2],
     /// States added by user-defined effects, in the order of adding.
     pub own: &'a [f64],
 }
@@ -70,6 +72,8 @@ pub struct Hooks {
     pub(crate) force: [Vec<Law>; 2],
     pub(crate) voltage: [Vec<Law>; 2],
     pub(crate) measured: Vec<Law>,
+    pub(crate) area_factor: [Vec<Law>; 2],
+    pub(crate) volume_factor: Vec<Law>,
     pub(crate) states: Vec<OwnState>,
 }
 
@@ -108,6 +112,23 @@ impl Hooks {
         self.measured.push(Law::new(law));
     }
 
+    /// Adds a factor of the area of a valve, fill 0, vent 1 (-).
+    ///
+    /// # Panics
+    /// Panics if there is no such valve.
+    pub fn add_area_factor(
+        &mut self,
+        valve: usize,
+        law: impl Fn(&Now) -> f64 + Send + Sync + 'static,
+    ) {
+        self.area_factor[valve].push(Law::new(law));
+    }
+
+    /// Adds a factor of the chamber's volume (-), a function of [`Now::pressure`] and [`Now::time`] alone.
+    pub fn add_volume_factor(&mut self, law: impl Fn(&Now) -> f64 + Send + Sync + 'static) {
+        self.volume_factor.push(Law::new(law));
+    }
+
     /// Adds a state that begins at `initial` and changes by `rate` (per second), solved to `tolerance` per step.
     /// Returns its index in [`Now::own`].
     ///
@@ -141,11 +162,14 @@ impl Hooks {
             force,
             voltage,
             measured,
+            area_factor,
+            volume_factor,
             states,
         } = self;
         [inflow, supply_pressure, &force[0], &force[1]]
             .into_iter()
             .chain([&voltage[0], &voltage[1], measured])
+            .chain([&area_factor[0], &area_factor[1], volume_factor])
             .all(Vec::is_empty)
             && states.is_empty()
     }
@@ -155,4 +179,10 @@ impl Hooks {
 #[inline]
 pub(crate) fn sum(laws: &[Law], now: &Now) -> f64 {
     laws.iter().map(|law| law.at(now)).sum()
+}
+
+/// Returns the product of the laws.
+#[inline]
+pub(crate) fn product(laws: &[Law], now: &Now) -> f64 {
+    laws.iter().map(|law| law.at(now)).product()
 }

@@ -14,8 +14,10 @@ pub mod logger_clock;
 pub mod magnet;
 pub mod on_off_valve;
 pub mod orifice;
+pub mod own_effects;
 pub mod parameters;
 pub mod plant;
+pub mod proportional_valve;
 pub mod regulating_valve;
 pub mod replay;
 pub mod resting_pressure;
@@ -23,6 +25,7 @@ pub mod restriction;
 mod simulator;
 mod solver;
 pub mod subsonic_curves;
+pub mod toml_file;
 pub mod valve;
 
 pub use ecu_output::Command;

@@ -10,10 +10,11 @@ pub struct Magnet {
 }
 
 impl Magnet {
-    /// Returns the force in the direction of +x (N) (equation 3.10).
+    /// Returns the force in the direction of +x (N) (equation 3.10). The diode lets no negative current flow: one in a
+    /// trial step, beyond the instant at which the diode blocks, does not attract.
     #[inline]
     pub fn force(&self, current: f64, x: f64) -> f64 {
-        let ratio = current / (self.gap - x);
+        let ratio = current.max(0.0) / (self.gap - x);
         self.force_constant * ratio * ratio
     }
 }

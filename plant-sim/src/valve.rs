@@ -14,6 +14,8 @@ pub enum ValveFunction {
     NormallyOpen,
     /// On/off valve known by its switching times and its conductance: closed without a command, no coil, no armature.
     OnOff,
+    /// Proportional valve known by its characteristic and its conductance: closed without a command, no coil, no armature.
+    Proportional,
     /// Orifice that is always open: no coil, no armature.
     AlwaysOpen,
     /// Coil whose armature is blocked at its rest stop: no air flows.
@@ -30,7 +32,12 @@ impl ValveFunction {
 
     /// Returns whether a duty cycle commands it.
     pub fn is_commanded(self) -> bool {
-        self.has_coil() || self == Self::OnOff
+        self.has_coil() || self.has_conductance()
+    }
+
+    /// Returns whether a conductance and a critical ratio describe its flow (ISO 6358).
+    pub fn has_conductance(self) -> bool {
+        matches!(self, Self::OnOff | Self::Proportional)
     }
 
     /// Returns whether there is an armature that may move.
@@ -40,7 +47,7 @@ impl ValveFunction {
 
     /// Returns whether air may flow.
     pub fn has_orifice(self) -> bool {
-        self.has_armature() || matches!(self, Self::AlwaysOpen | Self::OnOff)
+        self.has_armature() || self.has_conductance() || self == Self::AlwaysOpen
     }
 }
 

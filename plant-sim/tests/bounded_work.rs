@@ -157,6 +157,32 @@ fn an_armature_in_the_grip_of_friction_does_not_chatter() {
     }
 }
 
+/// A light armature and a coil without lag, whose current the diode ends in a tenth of a microsecond. Defect seen: in a
+/// trial step the current went on below zero, where it attracted, and put the armature back at its stop every nanosecond.
+#[test]
+fn an_armature_that_the_end_of_the_current_releases_leaves_its_stop() {
+    let mut plant = PlantParameters::nominal();
+    for (name, value) in [
+        ("ecu.supply_voltage_v", 5.0),
+        ("ecu.free_wheel_diode_drop_v", 21.2),
+        ("coil.resistance_20c_ohm", 229.0),
+        ("coil.inductance_closed_h", 1e-4),
+        ("coil.inductance_open_h", 1e-4),
+        ("magnet.force_constant_n_m2_per_a2", 0.565),
+        ("armature.mass_kg", 1e-4),
+        ("armature.viscous_friction_ns_per_m", 5e-4),
+        ("armature.spring_n_per_m", 1.0),
+        ("armature.preload_fill_n", 1e-3),
+        ("armature.preload_vent_n", 1e-3),
+        ("armature.pressure_force_diameter_m", 5e-8),
+    ] {
+        plant.set(name, value, "drawn").unwrap();
+    }
+    for (pattern, duties) in PATTERNS {
+        assert_eq!(complaint(&plant, duties, 10_000_000), None, "{pattern}");
+    }
+}
+
 /// Maximum work in a simulated second of venting into a small line near ambient pressure.
 const MOST_WORK_NEAR_AMBIENT: u64 = 2_000;
 

@@ -18,6 +18,7 @@ mod quantity;
 mod recording;
 mod signal;
 mod start_time;
+pub mod table;
 mod time_base;
 mod unit;
 mod united;
@@ -26,7 +27,10 @@ mod values;
 pub use bounds::{Bounds, OutOfBounds, Outlier};
 pub use defects::{DefectCounter, Defects, MissingCells, Pause, SkippedRow};
 pub use file::{AtomicFile, FileIdentity, write_file_atomically};
-pub use inspection::{InspectedColumn, Inspection, OpenPoint, Trial, inspect_file};
+pub use inspection::{
+    ColumnView, INSPECTION_SCHEMA, InspectedColumn, InspectedDialect, InspectedLog, InspectedLogs,
+    Inspection, OpenPoint, ProblemView, QuestionView, Trial, inspect_file, inspect_named_file,
+};
 pub use log::{
     LogError, LogFormat, LogOptions, OpenLog, open_log, open_log_file, read_log, read_log_file,
 };

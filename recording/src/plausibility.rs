@@ -2,6 +2,7 @@
 //! error.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use crate::bounds::{Allowed, Bounds, OutOfBounds, Short};
 use crate::proposal::signal_line;
@@ -11,7 +12,7 @@ use crate::{Converter, PressureReference, Quantity, Unit};
 /// Largest plausible pressure of a pneumatic brake (bar); its supply is at 6 to 12 bar.
 const LARGEST_BAR: f64 = 50.0;
 /// Pressure range of a charged chamber (bar).
-const CHARGED_BAR: std::ops::RangeInclusive<f64> = 1.0..=25.0;
+const CHARGED_BAR: RangeInclusive<f64> = 1.0..=25.0;
 /// Usual highest pressure of a charged chamber (bar).
 const USUAL_BAR: f64 = 6.0;
 /// Pressure below which a log in a small unit is suspected to be one in a larger unit (bar).
@@ -135,6 +136,8 @@ pub(crate) struct Watch {
     within: Extremes,
     cells: u64,
     outside: OutOfBounds,
+    /// Whether the allowed range is narrower than the hard bounds.
+    is_narrowed: bool,
     between_zero_and_one: bool,
 }
 
@@ -206,16 +209,35 @@ impl Watch {
             within: Extremes::none(),
             cells: 0,
             outside: OutOfBounds::new(name, unit, &Bounds::of(quantity), column),
+            is_narrowed: false,
             between_zero_and_one: false,
         }
+    }
+
+    /// Narrows the allowed range to the plausible one of a mapping, if it states one.
+    pub(crate) fn narrowed_to(mut self, plausible: Option<&RangeInclusive<f64>>) -> Self {
+        if let Some(plausible) = plausible {
+            let hard = &self.outside.allowed;
+            let (least, most) = (
+                hard.start().max(*plausible.start()),
+                hard.end().min(*plausible.end()),
+            );
+            self.outside.allowed = least..=most;
+            self.is_narrowed = true;
+        }
+        self
     }
 
     /// Takes one value, from a line or sample `place`, and returns it, or NaN if it is out of bounds.
     ///
     /// # Errors
-    /// Returns an error for an impossible duty cycle: it is a command, and no other value can replace it.
+    /// Returns an error for an impossible duty cycle: it is a command, and no other value can replace it. A plausible
+    /// range of a mapping accepts it as missing.
     pub(crate) fn take(&mut self, value: f64, place: u64) -> Result<f64, Implausible> {
-        if let Law::Duty { to_percent, .. } = &self.law {
+        let is_glitch = self.is_narrowed && !self.outside.allowed.contains(&value);
+        if is_glitch {
+            // Counted below.
+        } else if let Law::Duty { to_percent, .. } = &self.law {
             let percent = to_percent.apply(value);
             if !(0.0..=100.0).contains(&percent) {
                 return Err(Implausible::DutyRange { percent });

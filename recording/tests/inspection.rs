@@ -507,3 +507,80 @@ mod damaged {
         }
     }
 }
+
+/// Glitches of a sensor at the end of its range, in a pressure whose values otherwise fit.
+fn with_glitches() -> String {
+    let rows = (0..200).map(|row| {
+        let pressure = match row {
+            20 => 655.35,
+            150 | 151 => 327.67,
+            row => 2.0 + 0.25 * f64::from(row % 5),
+        };
+        format!("{:.2},{pressure},50,0\n", 0.01 * f64::from(row))
+    });
+    rows.fold(
+        "time_s,p_ch_bar_gauge,duty_fill_pct,duty_vent_pct\n".to_owned(),
+        |text, row| text + &row,
+    )
+}
+
+#[test]
+fn glitches_become_missing_cells_by_the_proposed_plausible_range_and_are_listed() {
+    let (inspection, path, _folder) = inspected_with(with_glitches().as_bytes(), None);
+    assert_eq!(
+        inspection.assumed,
+        ["\"p_ch_bar_gauge\": 3 values are glitches, the first is 655.35: outside 1 to 4"]
+    );
+    let mapping = inspection.mapping.as_deref().unwrap();
+    assert!(mapping.contains("plausible = [1.0, 4.0]"), "{mapping}");
+    let trial = inspection.trial.unwrap();
+    assert_eq!(
+        trial.defects,
+        [
+            "3 of 200 cells of p_ch are missing, the first at 0.200 s; 3 cells of p_ch out of bounds (allowed: 1 to 4 \
+             bar gauge), counted as missing: line 22, column 2: 655.35 bar gauge; line 152, column 2: 327.67 bar gauge; \
+             line 153, column 2: 327.67 bar gauge"
+        ]
+    );
+    // Without the mapping, the glitches are as wrong as a wrong unit.
+    let error = read_log_file(path, &LogOptions::default()).unwrap_err();
+    assert_eq!(error.code(), "E-CSV-SCALE", "{error}");
+}
+
+#[test]
+fn a_plausible_range_of_a_mapping_applies_after_the_scale_and_to_commands() {
+    let mapping = "schema = 1\n[signal.p_ch]\ncolumn = 2\nunit = \"bar_gauge\"\nscale = 0.5\nplausible = [0, 4]\n\
+                   [signal.duty_fill]\ncolumn = 3\nunit = \"pct\"\nplausible = [0, 100]\n";
+    let log = "time_s,U,PWM\n0.00,7,50\n0.01,9,255\n0.02,8,50\n0.03,6,50\n";
+    let options = recording::csv::Options {
+        mapping: Mapping::parse("mapping", mapping).unwrap(),
+        ..recording::csv::Options::default()
+    };
+    let recording = recording::csv::read("log", log.as_bytes(), &options).unwrap();
+    let cells =
+        |name: &str| -> Vec<Option<f64>> { recording.signal(name).unwrap().iter().collect() };
+    assert_eq!(cells("p_ch"), [Some(3.5), None, Some(4.0), Some(3.0)]);
+    assert_eq!(
+        cells("duty_fill"),
+        [Some(50.0), None, Some(50.0), Some(50.0)]
+    );
+    assert_eq!(recording.out_of_bounds().len(), 2);
+}
+
+#[test]
+fn a_single_bad_row_or_cell_is_reported_in_the_singular() {
+    let rows = (0..100).map(|row| match row {
+        99 => "0.99,3\n".to_owned(),
+        50 => "0.50,broken,50,0\n".to_owned(),
+        row => format!("{:.2},3.5,50,0\n", 0.01 * f64::from(row)),
+    });
+    let header = "time_s,p_ch_bar_gauge,duty_fill_pct,duty_vent_pct\n";
+    let inspection = inspected(&rows.fold(header.to_owned(), |text, row| text + &row));
+    assert_eq!(
+        inspection.remarks,
+        [
+            "\"p_ch_bar_gauge\": the cell \"broken\" in line 52 is no number",
+            "line 101 has 2 fields, the other rows have 4"
+        ]
+    );
+}

@@ -5,7 +5,7 @@ use std::io::{Cursor, Read};
 use std::sync::{Mutex, PoisonError};
 
 use peak_alloc::PeakAlloc;
-use recording::{csv, mf4};
+use recording::{LogFormat, csv, mf4, table};
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
@@ -70,6 +70,50 @@ fn an_mf4_file_takes_what_its_budgets_allow_and_no_more() {
         }
     }
     assert!(files > 0, "no fixture in {folder}");
+}
+
+/// Words of every Parquet and MATLAB fixture are replaced by a length or a count beyond the file.
+#[test]
+fn a_file_of_whole_columns_takes_what_its_budgets_allow_and_no_more() {
+    let _one = COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
+    let limits = table::Limits {
+        values: MIB as u64 / 8,
+        unpacked_bytes: MIB as u64,
+        ..table::Limits::default()
+    };
+    let options = table::Options {
+        limits,
+        ..table::Options::default()
+    };
+    // The file, one unpacked variable or chunk, the values of a column as they are and as numbers, and those of all.
+    let bound = 8 * MIB;
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/table");
+    let mut files = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let mut bytes = fs::read(&path).unwrap();
+        let format = LogFormat::of_beginning(&bytes[..128]);
+        if format == LogFormat::Csv {
+            continue;
+        }
+        files += 1;
+        for at in (0..bytes.len() - 4).step_by(2) {
+            let right: [u8; 4] = bytes[at..at + 4].try_into().unwrap();
+            for value in [1_u32 << 20, 0x7fff_ffff, u32::MAX] {
+                bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+                let taken = peak(|| {
+                    let _ = table::read("hostile", &bytes[..], format, &options);
+                });
+                assert!(
+                    taken < bound,
+                    "{}: {value} at byte {at} takes {taken} bytes",
+                    path.display()
+                );
+            }
+            bytes[at..at + 4].copy_from_slice(&right);
+        }
+    }
+    assert_eq!(files, 9);
 }
 
 /// A record without end, a field without end, and too many columns.

@@ -147,6 +147,8 @@ pub struct ControlPart<'a> {
     pub plant: &'a str,
     /// Name of the controller.
     pub controller: &'a str,
+    /// Operating conditions that differ from those of the plant, and other requirements, in sentences; may be empty.
+    pub conditions: &'a str,
     /// Verdicts on scattered rigs; empty if none were requested.
     pub rigs: &'a [RigVerdict],
 }

@@ -78,13 +78,14 @@ fn run(part: &ControlPart<'_>) -> Markup {
         verdict,
         plant,
         controller,
+        conditions,
         rigs,
     } = *part;
     let title = format!("Closed loop, {}", verdict.source);
     html! {
         article {
             h3 { (foreign(&capitalised(&verdict.source))) " " (Standing::of(holds(part)).badge()) }
-            p.note { "Plant: " (foreign(plant)) ". Controller: " (foreign(controller)) "." }
+            p.note { "Plant: " (foreign(plant)) ". Controller: " (foreign(controller)) ". " (foreign(conditions)) }
             (check_table(verdict))
             @if !rigs.is_empty() {
                 (rig_line(rigs))
@@ -109,7 +110,10 @@ fn rig_line(rigs: &[RigVerdict]) -> Markup {
             "On scattered rigs: " (rigs.len() - failing.len()) " of " (rigs.len()) " meet every binding requirement."
             @if !failing.is_empty() {
                 " Not so rig"
-                @for rig in failing.iter().take(10) { " " (rig.rig) " (seed " (rig.seed) ")" }
+                @for rig in failing.iter().take(10) {
+                    " " (rig.rig) " (seed " (rig.seed) ", " (number(rig.supply_voltage_v)) " V, coils at "
+                    (number(rig.coil_temperature_c)) " °C)"
+                }
                 @if failing.len() > 10 { " and others" }
                 "."
             }
@@ -136,7 +140,7 @@ fn check_table(verdict: &Verdict) -> Markup {
                 "This run gives no occasion to: "
                 @for (index, id) in verdict.not_exercised.iter().enumerate() {
                     @if index > 0 { ", " }
-                    code { (id.name()) }
+                    (id.name().replace('_', " "))
                 }
                 "."
             }
@@ -145,6 +149,30 @@ fn check_table(verdict: &Verdict) -> Markup {
             p.note {
                 "Valve actuations: fill " (actuations.fill) ", vent " (actuations.vent) "; "
                 (number(actuations.per_s)) " per second."
+            }
+        }
+        @if let Some(error) = &verdict.sensor_error {
+            p.note {
+                "Error of the pressure sensor, measured minus true pressure: " (number(error.mean_bar)) " bar on average, "
+                (number(error.rms_bar)) " bar rms, " (number(error.largest_bar))
+                " bar at most. The requirements are judged by the true pressure."
+            }
+        }
+        (confirmed_faults(verdict))
+    }
+}
+
+fn confirmed_faults(verdict: &Verdict) -> Markup {
+    let faults = verdict.confirmed_faults.as_deref().unwrap_or_default();
+    html! {
+        @if !faults.is_empty() {
+            p.lead {
+                "The ECU confirmed: "
+                @for (index, fault) in faults.iter().enumerate() {
+                    @if index > 0 { "; " }
+                    code { (foreign(&fault.fault)) } " at " (number(fault.first_s)) " s, for " (fault.samples) " samples"
+                }
+                "."
             }
         }
     }

@@ -89,7 +89,7 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
 }
 
 fn title(id: &str) -> String {
-    capitalised(&id.replace('_', " "))
+    capitalised(&id.replace(['_', '.'], " "))
 }
 
 fn error_step_table(steps: &[Step]) -> Markup {

@@ -1,7 +1,7 @@
 //! Claims about whole reports: a log contributes text only, a report loads nothing, and equal contents give equal
 //! bytes.
 
-use hil_harness::{Requirement, Run, Scenario, Verdict, run_in_process};
+use hil_harness::{ConfirmedFault, Requirement, Run, Scenario, Verdict, run_in_process};
 use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::result::{FlowCurve, FlowPoint, Verdict as DiagnosisVerdict};
 use model_lab::result::{LogDefects, NotCompared};
@@ -58,6 +58,7 @@ impl Bench {
             verdict: &self.verdict,
             plant: text,
             controller: text,
+            conditions: text,
             rigs: &[],
         };
         html(&Contents {
@@ -127,11 +128,39 @@ fn hostile_text_stays_text() {
     for check in &mut bench.verdict.checks {
         (check.requirement, check.evidence, check.unit) = (hostile(), hostile(), hostile());
     }
+    bench.verdict.confirmed_faults = Some(vec![ConfirmedFault {
+        fault: hostile(),
+        first_s: 1.0,
+        samples: 2,
+    }]);
     for row in &mut bench.thesis.rows {
         (row.quantity, row.unit, row.source) = (hostile(), hostile(), hostile());
         (row.rig, row.note) = (Some(hostile()), Some(hostile()));
     }
     assert_harmless(&bench.report(HOSTILE));
+}
+
+#[test]
+fn the_loop_shows_the_error_of_its_sensor_and_the_faults_that_the_ecu_confirmed() {
+    let mut bench = Bench::new();
+    let sound = bench.report("bench");
+    assert!(sound.contains("Error of the pressure sensor") && !sound.contains("The ECU confirmed"));
+    bench.verdict.confirmed_faults = Some(vec![ConfirmedFault {
+        fault: "NoFall".to_owned(),
+        first_s: 1.25,
+        samples: 300,
+    }]);
+    let report = bench.report("bench");
+    let said = report
+        .split("The ECU confirmed: ")
+        .nth(1)
+        .unwrap_or_default();
+    assert!(
+        said.starts_with("<code>") && said[..100].contains("NoFall"),
+        "{}",
+        &said[..100]
+    );
+    assert!(said[..200].contains("for 300 samples."), "{}", &said[..200]);
 }
 
 /// Defect seen: with a pause of 0.7 s and a missing cell, the table of logs said "none".

@@ -36,7 +36,7 @@ impl Kind {
     }
 
     fn of_head(head: &[u8]) -> Self {
-        if LogFormat::of_beginning(head) == LogFormat::Mf4 {
+        if LogFormat::of_beginning(head) != LogFormat::Csv {
             return Self::Log;
         }
         let text = String::from_utf8_lossy(head);
@@ -210,6 +210,8 @@ mod tests {
     fn files_are_distinguished_by_their_beginning() {
         let kind = |text: &str| Kind::of_head(text.as_bytes());
         assert_eq!(kind("MDF     4.10"), Kind::Log);
+        assert_eq!(kind("PAR1\u{15}\u{4}"), Kind::Log);
+        assert_eq!(kind("MATLAB 5.0 MAT-file, Platform: posix"), Kind::Log);
         assert_eq!(
             kind("# source: bench\ntime_s,p_ch_bar_gauge\n0,1\n"),
             Kind::Log

@@ -13,6 +13,7 @@ use hil_harness::link::{LinkError, SerialError};
 #[cfg(unix)]
 use hil_harness::qemu::QemuError;
 use hil_harness::reference_profile::ProfileError;
+use hil_harness::requirement_file::RequirementFileError;
 use hil_harness::rigs::RigError;
 use hil_harness::signals;
 use hil_protocol::MEASURED_MAX;
@@ -47,6 +48,13 @@ const COLUMN_CODES: [&str; 12] = [
 pub(crate) enum Failure {
     #[error("{}: {error}; check the name and the rights", path.display())]
     Read { path: PathBuf, error: io::Error },
+    #[error("the answers ended before all questions; those that were given are in {}: run the same command again", path.display())]
+    AnswersEnded { path: PathBuf },
+    #[error("--controller {}: there is no such file, and the bundled controllers are {}", path.display(), bundled.join(", "))]
+    NoController {
+        path: PathBuf,
+        bundled: [&'static str; 3],
+    },
     #[error("{}: not UTF-8 text; save it as UTF-8", path.display())]
     NotText { path: PathBuf },
     #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]
@@ -68,15 +76,17 @@ pub(crate) enum Failure {
     )]
     LogAsPlant { path: PathBuf, command: String },
     #[error(
-        "{}: a log is expected (CSV or MF4), and this is a {kind} (TOML). Corrected command:\n  {command}", path.display()
+        "{}: a log is expected (CSV, MF4, Parquet or MATLAB), and this is a {kind} (TOML). Corrected command:\n  {command}", path.display()
     )]
     TomlAsLog {
         path: PathBuf,
         kind: &'static str,
         command: String,
     },
-    #[error("-: `inspect` reads a log more than once; write it to a file first")]
-    InspectStandardInput,
+    #[error("the standard input cannot be kept for a second reading: {error}; write it to a file")]
+    KeepStandardInput { error: io::Error },
+    #[error("the standard input is read once; write - once")]
+    StandardInputTwice,
     #[error(
         "{} and {}: the logs need different mappings; inspect them one by one", one.display(), other.display()
     )]
@@ -93,6 +103,13 @@ pub(crate) enum Failure {
         error: ControllerFileError,
         source_lines: SourceLines,
     },
+    #[error("{error}{source_lines}")]
+    Requirements {
+        error: RequirementFileError,
+        source_lines: SourceLines,
+    },
+    #[error("--supply-voltage or --coil-temperature: {error}")]
+    Condition { error: ParameterError },
     #[error("--set {error}")]
     Set { error: ParameterError },
     #[error("--free or --fix: {error}")]
@@ -207,9 +224,9 @@ pub(crate) enum Failure {
     )]
     NotOurReport { path: PathBuf, is_demo: bool },
     #[error(
-        "{}: only recordings of `simulate` and `control` are written as MF4; choose a name that ends in .csv", path.display()
+        "{}: only recordings of `simulate` and `control` are written as MF4, Parquet or MATLAB; choose a name that ends in .csv", path.display()
     )]
-    NotAsMf4 { path: PathBuf },
+    OnlyCsv { path: PathBuf },
     #[error("interrupted; nothing was written")]
     Interrupted,
     #[error("Ctrl-C cannot be watched for: {0}")]

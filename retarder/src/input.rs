@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use hil_harness::{ReferenceProfile, Scenario, controller_file};
+use hil_harness::{
+    OperatingConditions, ReferenceProfile, Requirement, Scenario, controller_file, requirement_file,
+};
 use model_lab::diagnosis::{fix, free};
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
@@ -17,7 +19,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::cli::{
     Assignment, ControlArgs, ControllerArg, Freed, ImportArgs, KnowledgeArgs, LogArgs, LogsArgs,
-    PlantArgs,
+    PlantArgs, RequirementsArg,
 };
 use crate::exchanged;
 use crate::failure::{Failure, SourceLines};
@@ -232,9 +234,19 @@ pub(crate) fn open_source(args: &LogArgs, options: &LogOptions) -> Result<LogSou
     Ok(LogSource { name, log, size })
 }
 
-const STANDARD_INPUT: &str = "standard input";
+/// Name of the standard input in messages.
+pub(crate) const STANDARD_INPUT: &str = "standard input";
 
-fn is_standard_input(path: &Path) -> bool {
+/// Returns a file with the content of the standard input, for a log that is read more than once.
+pub(crate) fn kept_standard_input() -> io::Result<tempfile::NamedTempFile> {
+    let mut file = tempfile::NamedTempFile::new()?;
+    // The readers refuse one byte more than their budget, with a message.
+    let most = csv::Limits::default().file_bytes.saturating_add(1);
+    io::copy(&mut io::stdin().lock().take(most), &mut file)?;
+    Ok(file)
+}
+
+pub(crate) fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
@@ -248,9 +260,10 @@ pub(crate) fn tour_log() -> Result<Recording, Failure> {
 }
 
 /// Names and files of the bundled controllers.
-const BUILT_IN_CONTROLLERS: [(&str, &str); 2] = [
+const BUILT_IN_CONTROLLERS: [(&str, &str); 3] = [
     ("thesis", controller_file::THESIS_TOML),
     ("recommended", controller_file::RECOMMENDED_TOML),
+    ("pulses", controller_file::PULSES_1_9_MM_TOML),
 ];
 
 fn built_in_controller(argument: &Path) -> Option<(&'static str, &'static str)> {
@@ -280,9 +293,18 @@ impl NamedController {
         let (name, text, file) = match built_in_controller(&args.controller) {
             Some((name, text)) => (format!("{name} controller"), text.to_owned(), None),
             None => {
-                let text = read_text(&args.controller)?;
+                let path = &args.controller;
+                let text = read_text(path).map_err(|failure| match failure {
+                    Failure::Read { error, .. } if error.kind() == io::ErrorKind::NotFound => {
+                        Failure::NoController {
+                            path: path.clone(),
+                            bundled: BUILT_IN_CONTROLLERS.map(|(name, _)| name),
+                        }
+                    }
+                    other => other,
+                })?;
                 let file = Some(identity(&text));
-                (args.controller.display().to_string(), text, file)
+                (path.display().to_string(), text, file)
             }
         };
         let settings = controller_file::read(&text, &name).map_err(|error| {
@@ -307,10 +329,70 @@ impl NamedController {
     }
 }
 
+/// Requirement on the loop and its name.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedRequirement {
+    pub(crate) name: String,
+    pub(crate) requirement: Requirement,
+    /// The file; `None` for the thesis.
+    file: Option<InputFile>,
+}
+
+impl NamedRequirement {
+    /// Returns the requirements of the thesis.
+    pub(crate) fn thesis() -> Self {
+        Self {
+            name: "the thesis".to_owned(),
+            requirement: Requirement::THESIS,
+            file: None,
+        }
+    }
+
+    /// Returns the requirements of the argument.
+    pub(crate) fn from_args(args: &RequirementsArg) -> Result<Self, Failure> {
+        let Some(path) = &args.requirements else {
+            return Ok(Self::thesis());
+        };
+        let text = read_text(path)?;
+        let name = path.display().to_string();
+        let requirement = requirement_file::read(&text, &name).map_err(|error| {
+            let lines = error.problems().iter().map(|problem| problem.line());
+            let source_lines = SourceLines::of(&text, lines);
+            Failure::Requirements {
+                error,
+                source_lines,
+            }
+        })?;
+        Ok(Self {
+            name,
+            requirement,
+            file: Some(identity(&text)),
+        })
+    }
+
+    /// Returns the description of the file for a report; `None` for the thesis.
+    pub(crate) fn input(&self) -> Option<Input> {
+        self.file?;
+        Some(named_input("requirements", &self.name, self.file))
+    }
+}
+
+/// Returns the scenario under operating conditions of the command line.
+pub(crate) fn under(
+    conditions: OperatingConditions,
+    scenario: Scenario,
+) -> Result<Scenario, Failure> {
+    let applied = conditions.applied_to(scenario);
+    applied.map_err(|error| Failure::Condition { error })
+}
+
 /// Scenario with the names of its plant and its controller.
 #[derive(Debug, Clone)]
 pub(crate) struct NamedScenario {
     pub(crate) scenario: Scenario,
+    /// Operating conditions that were given; the others scatter from rig to rig.
+    pub(crate) conditions: OperatingConditions,
+    pub(crate) requirements: NamedRequirement,
     pub(crate) plant: String,
     pub(crate) controller: String,
     /// Descriptions of its files for a report.
@@ -318,12 +400,42 @@ pub(crate) struct NamedScenario {
 }
 
 impl NamedScenario {
+    /// Returns the operating conditions and the requirements that were given, in sentences.
+    pub(crate) fn conditions_text(&self) -> String {
+        let supply = self.conditions.supply;
+        let supply = supply.map(|supply| format!("Supply voltage from time 0 on: {supply}."));
+        let coils = self.conditions.coil_temperature_c;
+        let coils = coils.map(|celsius| format!("Coils at {celsius} °C."));
+        let controller = &self.scenario.controller;
+        let compensated = match controller.pulses {
+            Some(_) => "Pulses",
+            None => "Duty limits",
+        };
+        let compensation = controller.compensation.map(|compensation| {
+            format!(
+                "{compensated} follow the measured supply voltage and coil resistance (nominal {} V, {} ohm).",
+                compensation.nominal_voltage_v, compensation.nominal_resistance_ohm
+            )
+        });
+        let is_thesis = self.requirements.requirement == Requirement::THESIS;
+        let requirements = format!("Requirements: {}.", self.requirements.name);
+        let sentences: Vec<String> = supply
+            .into_iter()
+            .chain(coils)
+            .chain(compensation)
+            .chain((!is_thesis).then_some(requirements))
+            .collect();
+        sentences.join(" ")
+    }
+
     /// Returns the built-in scenario `name` with the recommended controller.
     pub(crate) fn built_in(name: &str) -> Option<Self> {
         let scenario = Scenario::built_in(name)?;
         Some(Self {
             plant: built_in_plant(&scenario).name,
             controller: "recommended controller".to_owned(),
+            conditions: OperatingConditions::default(),
+            requirements: NamedRequirement::thesis(),
             inputs: Vec::new(),
             scenario,
         })
@@ -340,13 +452,19 @@ impl NamedScenario {
             None => (built_in_scenario(&args.scenario), None),
         };
         let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?.whole()?;
+        let requirements = NamedRequirement::from_args(&args.requirements)?;
         let mut inputs = vec![plant.input(), controller.input()];
+        inputs.extend(requirements.input());
         inputs.extend(profile);
+        let conditions = args.conditions.conditions();
+        let scenario = scenario
+            .on(plant.parameters)
+            .controlled_by(controller.settings)
+            .seeded(args.seed);
         Ok(Self {
-            scenario: scenario
-                .on(plant.parameters)
-                .controlled_by(controller.settings)
-                .seeded(args.seed),
+            scenario: under(conditions, scenario)?,
+            conditions,
+            requirements,
             plant: plant.name,
             controller: controller.name,
             inputs,

@@ -5,6 +5,7 @@
 //! [`print`](mod@print), [`page`] with [`report`]).
 
 mod cli;
+mod datasheet_dialogue;
 mod dut;
 mod exchanged;
 mod failure;

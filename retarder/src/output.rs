@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use recording::csv::{Decimals, WriteError};
-use recording::{LogFormat, Recording};
+use recording::{InspectedLogs, LogFormat, Recording, table};
 
 use crate::failure::Failure;
 use crate::page;
@@ -114,13 +114,16 @@ fn json(outcome: &Outcome) -> Option<String> {
             None => serde_json::to_string_pretty(&controlled.rigs()),
         },
         Outcome::BlackBox(black_box) => serde_json::to_string_pretty(black_box),
+        Outcome::Inspection(inspected) => {
+            let logs = inspected.logs.iter().map(|(_, log)| log);
+            serde_json::to_string_pretty(&InspectedLogs::of(logs))
+        }
         Outcome::Thesis(figures) => serde_json::to_string_pretty(&figures.table),
         Outcome::ThesisExplanation(explained) => {
             serde_json::to_string_pretty(&explained.explanation)
         }
         Outcome::Demo(_)
         | Outcome::Report(_)
-        | Outcome::Inspection(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
         | Outcome::DeviceSettings(_)
@@ -153,6 +156,10 @@ fn write_recording(path: &Path, existing: Existing, recording: &Recording) -> Re
                 recording::csv::write(file, recording, time_base, &Decimals::shortest())
             }
             LogFormat::Mf4 => recording::mf4::write(file, recording),
+            LogFormat::Parquet => table::write_parquet(file, recording, time_base),
+            LogFormat::Matlab | LogFormat::MatlabHdf5 => {
+                table::write_matlab(file, recording, time_base)
+            }
         });
         written.and_then(|file| Ok(file.commit()?))
     };

@@ -1,6 +1,5 @@
 //! Conversion of outcomes into contents of the HTML report.
 
-use hil_harness::Requirement;
 use recording::Recording;
 use report::{
     BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, LogPart, ModelPart, Origin,
@@ -35,7 +34,7 @@ pub(crate) const NEXT_STEPS: [[&str; 2]; 7] = [
     ],
     [
         "retarder control --rigs 100",
-        "robustness (Monte Carlo): the loop on a hundred rigs with the scatter of real valves",
+        "robustness (Monte Carlo): the loop on a hundred trucks: real valves, 18 to 32 V, -40 to 120 °C",
     ],
     [
         "retarder thesis",
@@ -189,15 +188,19 @@ struct Page<'a> {
 }
 
 fn page(page: &Page<'_>) -> String {
+    let conditions = page.loops.iter().map(|run| run.scenario.conditions_text());
+    let conditions: Vec<String> = conditions.collect();
     let control: Vec<ControlPart<'_>> = page
         .loops
         .iter()
-        .map(|run| ControlPart {
+        .zip(&conditions)
+        .map(|(run, conditions)| ControlPart {
             recording: &run.run.recording,
-            requirement: &Requirement::THESIS,
+            requirement: &run.scenario.requirements.requirement,
             verdict: &run.verdict,
             plant: &run.scenario.plant,
             controller: &run.scenario.controller,
+            conditions,
             rigs: &run.rigs,
         })
         .collect();

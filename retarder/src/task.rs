@@ -1,6 +1,6 @@
 //! Tasks with every file read and every value checked.
 
-use std::io::Write as _;
+use std::io::{Write as _, stderr, stdin};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -9,7 +9,6 @@ use model_lab::CompareOptions;
 use model_lab::diagnosis::asking_plant_file;
 use model_lab::diagnosis::next_experiment::Limits;
 use plant_sim::PlantParameters;
-use plant_sim::effects::by_id;
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, Part};
 use recording::{LogFormat, OpenLog, Recording};
 
@@ -18,9 +17,10 @@ use crate::cli::{
     InspectArgs, LogsArgs, NextExperimentArgs, ParametersArgs, PlantArgs, RefineArgs, ReportArgs,
     SchemaName, SimulateArgs, TabArgs,
 };
+use crate::datasheet_dialogue;
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
-use crate::input::{self, NamedController, NamedPlant, NamedScenario};
+use crate::input::{self, NamedController, NamedPlant, NamedRequirement, NamedScenario};
 use crate::options::Options;
 use crate::print::{self, Live, Terminal};
 use crate::run::diagnose::Asked;
@@ -78,8 +78,9 @@ impl Task {
                 targets.html = Some(DEMO_REPORT.into());
                 Work::Demo
             }
-            Some(Command::Inspect(args)) => {
+            Some(Command::Inspect(mut args)) => {
                 targets.mapping.clone_from(&args.out);
+                targets.json = args.json.json.take();
                 Work::Inspect(args)
             }
             Some(Command::Simulate(args)) => simulate(args, &mut targets)?,
@@ -113,8 +114,12 @@ impl Task {
             }
             Some(Command::Parameters(ParametersArgs {
                 from_datasheet: Some(path),
+                ask,
                 ..
             })) => {
+                if ask {
+                    datasheet_dialogue::complete(&path, &mut stdin().lock(), &mut stderr())?;
+                }
                 let plant = NamedPlant::read(&path, PlantParameters::from_datasheet)?;
                 Work::Text(plant.parameters.to_toml())
             }
@@ -130,6 +135,9 @@ impl Task {
                 } else {
                     Work::Parameters(plant)
                 }
+            }
+            Some(Command::Settings(args)) if args.requirements => {
+                Work::Text(hil_harness::requirement_file::THESIS_TOML.to_owned())
             }
             Some(Command::Settings(args)) => {
                 let controller = NamedController::from_args(&args.controller)?;
@@ -297,7 +305,8 @@ fn refine(args: RefineArgs, targets: &mut Targets) -> Result<Work, Failure> {
     }
     let task = to_explain(&args.logs, &args.plant)?;
     for (id, _) in &asked {
-        let part = by_id(id).map_or(Part::Any, Part::of_effect);
+        let candidate = task.plant.parameters.candidate(id);
+        let part = candidate.map_or(Part::Any, Part::of_effect);
         if !part.is_in(&task.plant.parameters) {
             return Err(Failure::EffectOnNothing {
                 plant: task.plant.name,
@@ -351,6 +360,10 @@ fn next_experiment(args: NextExperimentArgs, targets: &mut Targets) -> Result<Wo
 
 fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
     let scenario = Box::new(NamedScenario::from_args(&args)?);
+    print_to_stderr(&print::scenario_warnings(
+        &scenario.scenario,
+        &Terminal::standard_error(),
+    ));
     (targets.json, targets.html) = (args.json.json, args.html.html);
     targets.recording = args.out.out;
     Ok(match args.dut {
@@ -375,6 +388,8 @@ fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
         controller: NamedController::from_args(&args.controller)?,
         scenario: input::built_in_scenario(&args.scenario),
         rigs: args.rigs,
+        conditions: args.conditions.conditions(),
+        requirements: NamedRequirement::from_args(&args.requirements)?,
         without: args.without,
     })))
 }
@@ -392,9 +407,7 @@ fn print_to_stderr(text: &str) {
 /// Returns the path of a file that is written as CSV only.
 fn as_csv(path: Option<PathBuf>) -> Result<Option<PathBuf>, Failure> {
     match path {
-        Some(path) if LogFormat::of_name(&path) == LogFormat::Mf4 => {
-            Err(Failure::NotAsMf4 { path })
-        }
+        Some(path) if LogFormat::of_name(&path) != LogFormat::Csv => Err(Failure::OnlyCsv { path }),
         path => Ok(path),
     }
 }

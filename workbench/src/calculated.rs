@@ -1,9 +1,9 @@
 //! Calculated channels of a project: a name, a unit, and a formula over the signals of each log.
 
+use formula::{Formula, FormulaError};
 use recording::{Provenance, Recording, TimeBase, TimeBaseId, Unit};
 use serde::{Deserialize, Serialize};
 
-use crate::formula::Formula;
 use crate::refusal::{Problem, Refusal};
 
 /// Largest number of calculated channels in a project.
@@ -47,7 +47,7 @@ impl Calculated {
         let unit = self
             .known_unit()
             .map_err(|text| Problem::new("E-CHANNEL", text))?;
-        Formula::parse(&self.formula).map_err(|error| Problem {
+        self.parsed().map_err(|error| Problem {
             column: Some(error.position),
             ..Problem::new("E-FORMULA", format!("{}: {error}", self.name))
         })?;
@@ -55,6 +55,18 @@ impl Calculated {
         added
             .map(drop)
             .map_err(|error| Problem::new("E-CHANNEL", error.to_string()))
+    }
+
+    /// Parses the formula, which has at least one signal.
+    fn parsed(&self) -> Result<Formula, FormulaError> {
+        let formula = Formula::parse(&self.formula)?;
+        if formula.names().len() == 0 {
+            return Err(FormulaError {
+                position: 1,
+                problem: "there is no signal in it; a constant is no channel".to_owned(),
+            });
+        }
+        Ok(formula)
     }
 
     fn known_unit(&self) -> Result<Unit, String> {
@@ -68,17 +80,13 @@ impl Calculated {
 
     /// Returns the samples for a log with their time base, or the reason why there are none.
     fn samples(&self, log: &Recording) -> Result<(TimeBaseId, Vec<f64>), String> {
-        let formula = Formula::parse(&self.formula).map_err(|error| error.to_string())?;
-        let signal = |name: &String| {
+        let formula = self.parsed().map_err(|error| error.to_string())?;
+        let signal = |name: &str| {
             let signal = log.signal(name);
             signal
                 .ok_or_else(|| format!("the log has no signal {name:?}, of which it is calculated"))
         };
-        let signals: Vec<_> = formula
-            .signals()
-            .iter()
-            .map(signal)
-            .collect::<Result<_, _>>()?;
+        let signals: Vec<_> = formula.names().map(signal).collect::<Result<_, _>>()?;
         let base = signals[0].time_base();
         if let Some(other) = signals.iter().find(|other| other.time_base() != base) {
             return Err(format!(
@@ -87,12 +95,21 @@ impl Calculated {
                 other.name()
             ));
         }
-        let values: Vec<&[f64]> = signals
+        let columns: Vec<&[f64]> = signals
             .iter()
             .map(|signal| signal.values_or_nan())
             .collect();
         let rows = 0..signals[0].len();
-        Ok((base, rows.map(|row| formula.value(&values, row)).collect()))
+        let mut values = vec![0.0; columns.len()];
+        let at = |row: usize| {
+            for (value, column) in values.iter_mut().zip(&columns) {
+                *value = column[row];
+            }
+            // A sample without a finite value is missing.
+            Some(formula.value(&values)).filter(|value| value.is_finite())
+        };
+        let samples = rows.map(at).map(|value| value.unwrap_or(f64::NAN));
+        Ok((base, samples.collect()))
     }
 
     fn add_to(&self, log: &mut Recording) -> Result<(), String> {

@@ -1,6 +1,7 @@
 //! Library of effects in the form that the pages show.
 
-use plant_sim::effects::{About, EntryPoint, LIBRARY};
+use plant_sim::PlantParameters;
+use plant_sim::effects::{About, EntryPoint};
 use plant_sim::parameters::{ParameterSpec, Scale};
 use serde::Serialize;
 
@@ -15,7 +16,7 @@ pub(crate) struct EffectView {
     sentence: &'static str,
     /// Part of the plant that it acts on, in words.
     acts_on: &'static str,
-    /// Law as printed in `docs/equations.md`.
+    /// Law as printed in `docs/equations.md`, or the expression of an own effect.
     equation: &'static str,
     source: &'static str,
     excited_by: &'static str,
@@ -74,11 +75,17 @@ impl EffectView {
     }
 }
 
-/// Returns the whole library.
-pub(crate) fn all() -> Vec<EffectView> {
-    LIBRARY
-        .iter()
-        .map(|effect| EffectView::of(effect.about()))
+/// Returns the effects that a plant may have: the library, and the user's own ones.
+pub(crate) fn all(plant: &PlantParameters) -> Vec<EffectView> {
+    plant
+        .candidates()
+        .map(|effect| {
+            let mut view = EffectView::of(effect.about());
+            if effect.definition_toml().is_some() {
+                view.equation = effect.about().variants[0].about;
+            }
+            view
+        })
         .collect()
 }
 
@@ -128,10 +135,11 @@ fn acts_on(point: EntryPoint) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use plant_sim::effects::LIBRARY;
 
     #[test]
     fn every_effect_has_its_equation_and_bounds_that_a_slider_can_have() {
-        for effect in all() {
+        for effect in all(&PlantParameters::nominal()) {
             assert!(!effect.equation.is_empty(), "{}", effect.id);
             for parameter in effect.forms.iter().flat_map(|form| &form.parameters) {
                 assert!(parameter.lowest < parameter.highest, "{}", parameter.key);

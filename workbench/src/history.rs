@@ -4,7 +4,7 @@ use model_lab::SignalError;
 use model_lab::diagnosis::result::FittedParameter;
 use model_lab::diagnosis::{Estimation, Refinement};
 use plant_sim::PlantParameters;
-use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::effects::EffectSetting;
 use serde::{Deserialize, Serialize};
 
 use crate::plant_file::PlantFile;
@@ -196,6 +196,15 @@ impl Step {
 }
 
 impl StepEffect {
+    /// Returns whether the effect is on, with each value in the interval of its fit.
+    pub(crate) fn is_as_fitted(&self) -> bool {
+        let is_inside = |parameter: &StepParameter| {
+            let inside = parameter.value.zip(parameter.fitted);
+            inside.is_some_and(|(value, fitted)| (fitted.low..=fitted.high).contains(&value))
+        };
+        self.is_on && self.parameters.iter().all(is_inside)
+    }
+
     /// Returns an effect of a plant, with the fitted values of its parameters.
     pub(crate) fn of(setting: &EffectSetting, fitted: &[FittedParameter]) -> Self {
         let values = setting.parameters().iter().zip(setting.values());
@@ -221,9 +230,11 @@ impl StepEffect {
         }
     }
 
-    /// Returns the effect in the form of a plant file.
-    pub(crate) fn setting(&self) -> Result<EffectSetting, Refusal> {
-        let effect = by_id(&self.effect).ok_or_else(|| Refusal::not_found("effect"))?;
+    /// Returns the effect in the form of a plant file; `plant` has the definitions of the user's own effects.
+    pub(crate) fn setting(&self, plant: &PlantParameters) -> Result<EffectSetting, Refusal> {
+        let effect = plant
+            .candidate(&self.effect)
+            .ok_or_else(|| Refusal::not_found("effect"))?;
         let variant = effect.about().variant(&self.variant);
         let variant = variant.ok_or_else(|| Refusal::not_found("form of the effect"))?;
         let mut setting = EffectSetting::typical_variant(effect, variant);
@@ -284,7 +295,9 @@ mod tests {
         let text = serde_json::to_string(&history).unwrap();
         let read: History = serde_json::from_str(&text).unwrap();
         assert_eq!(read, history);
-        let setting = read.now().effects[0].setting().unwrap();
+        let setting = read.now().effects[0]
+            .setting(&plant.parameters().unwrap())
+            .unwrap();
         assert!(setting.is_off());
     }
 }

@@ -8,7 +8,6 @@ mod closed_loop;
 mod connections;
 mod effects;
 mod examples;
-mod formula;
 mod guard;
 mod histogram;
 mod history;

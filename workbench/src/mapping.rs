@@ -23,6 +23,11 @@ pub(crate) struct Form {
     delimiter: Option<Word>,
     /// Decimal mark: `.` or `,`.
     decimal: Option<Word>,
+    /// Whether a row of units follows the header.
+    units_row: Option<bool>,
+    /// Spellings of missing samples.
+    #[serde(default)]
+    missing: Vec<Word>,
 }
 
 /// Mapping of one column. A column without an entry is read according to its header.
@@ -39,6 +44,8 @@ struct Column {
     scale: Option<f64>,
     offset: Option<f64>,
     thousands_separator: Option<Word>,
+    /// Range outside which values count as missing.
+    plausible: Option<[f64; 2]>,
 }
 
 /// Identification of a column.
@@ -92,6 +99,10 @@ impl Form {
         if !ignored.is_empty() {
             let _ = writeln!(toml, "ignore = [{}]", ignored.join(", "));
         }
+        if !self.missing.is_empty() {
+            let words: Vec<String> = self.missing.iter().map(|word| quoted(word)).collect();
+            let _ = writeln!(toml, "missing = [{}]", words.join(", "));
+        }
         toml += &self.dialect();
         for column in of_role(Role::Time) {
             toml += "\n[time]\n";
@@ -109,8 +120,10 @@ impl Form {
         if self.skip_lines > 0 {
             let _ = writeln!(lines, "skip_lines = {}", self.skip_lines);
         }
-        if let Some(header) = self.header {
-            let _ = writeln!(lines, "header = {header}");
+        for (key, value) in [("header", self.header), ("units_row", self.units_row)] {
+            if let Some(value) = value {
+                let _ = writeln!(lines, "{key} = {value}");
+            }
         }
         for (key, word) in [("delimiter", &self.delimiter), ("decimal", &self.decimal)] {
             if let Some(word) = word {
@@ -141,6 +154,10 @@ impl Column {
         }
         if let Some(separator) = &self.thousands_separator {
             let _ = writeln!(lines, "thousands_separator = {}", quoted(separator));
+        }
+        if let Some([least, greatest]) = self.plausible {
+            // The reader of mappings refuses numbers that are not finite, with the line.
+            let _ = writeln!(lines, "plausible = [{least:?}, {greatest:?}]");
         }
         Ok(lines)
     }

@@ -76,9 +76,9 @@ impl Subject {
             Self::Controller => &[],
             Self::Ecu => &[
                 "ecu/src/ecu.rs",
-                "ecu/src/supervisor.rs",
+                "ecu/src/supervisor/mod.rs",
                 "ecu/src/supervisor/**",
-                "ecu/src/detector.rs",
+                "ecu/src/detector/mod.rs",
                 "ecu/src/detector/**",
                 "ecu/src/valve.rs",
                 "ecu/src/history.rs",

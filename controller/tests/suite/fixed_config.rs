@@ -1,7 +1,7 @@
 //! Mechanisms fixed at compile time: same bits as the configurable controller; other mechanisms are refused.
 
 use controller::{
-    AntiWindup, Distributor, FixedConfig, IntegralAtReference, LowerLimit, Mechanism, Mechanisms,
+    AntiWindup, Distributor, Field, FixedConfig, IntegralAtReference, LowerLimit, Mechanisms,
     Output, Prediction, PredictionBasis, Settings, State, SwitchOff, step_traced,
 };
 
@@ -59,7 +59,7 @@ fn numbers_stay_tunable_where_mechanisms_are_fixed() {
 #[test]
 fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
     let thesis = Settings::thesis();
-    let check = |settings: Settings, expected: Mechanism, name: &str| {
+    let check = |settings: Settings, expected: Field, name: &str| {
         let refused = FixedConfig::<Thesis>::new(config(&settings)).expect_err("refused");
         assert_eq!(refused.mechanism, expected);
         assert_eq!(
@@ -74,7 +74,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             prediction: Prediction::OneStep,
             ..thesis
         },
-        Mechanism::Prediction,
+        Field::Prediction,
         "prediction",
     );
     check(
@@ -82,7 +82,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             prediction_basis: PredictionBasis::Pressure,
             ..thesis
         },
-        Mechanism::PredictionBasis,
+        Field::PredictionBasis,
         "prediction_basis",
     );
     check(
@@ -90,7 +90,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             switch_off: SwitchOff::InsideOrBeyond,
             ..thesis
         },
-        Mechanism::SwitchOff,
+        Field::SwitchOff,
         "switch_off",
     );
     check(
@@ -98,7 +98,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             integral_at_reference: IntegralAtReference::Clear,
             ..thesis
         },
-        Mechanism::IntegralAtReference,
+        Field::IntegralAtReference,
         "integral_at_reference",
     );
     check(
@@ -106,7 +106,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             anti_windup: AntiWindup::Off,
             ..thesis
         },
-        Mechanism::AntiWindup,
+        Field::AntiWindup,
         "anti_windup",
     );
     check(
@@ -117,7 +117,7 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             },
             ..thesis
         },
-        Mechanism::Distributor,
+        Field::Distributor,
         "distributor",
     );
     check(
@@ -125,10 +125,10 @@ fn a_configuration_of_other_mechanisms_is_refused_by_the_name_of_the_first() {
             duty_min: Settings::recommended().duty_min,
             ..thesis
         },
-        Mechanism::LowerLimit,
+        Field::DutyMin,
         "duty_min",
     );
-    check(Settings::recommended(), Mechanism::Prediction, "prediction");
+    check(Settings::recommended(), Field::Prediction, "prediction");
 }
 
 /// The traditional distributor is Scheme 1 from 0 to 100 %, for all lower limits.

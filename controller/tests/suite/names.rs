@@ -1,7 +1,7 @@
-//! Displayed text of quantities, settings and coefficients, as shown in logs and errors.
+//! Displayed text of quantities and coefficients, as shown in logs and errors.
 
 use controller::fixed::types::I20F12;
-use controller::{Coefficient, ControlSignal, Duty, Field};
+use controller::{Coefficient, ControlSignal, Duty};
 
 use crate::support::{bar, lit};
 
@@ -30,43 +30,6 @@ fn a_control_signal_is_held_at_100_percent_and_keeps_its_sign() {
             |bits: i32| ControlSignal::saturating_from_percent(I20F12::from_bits(bits)).to_bits();
         assert_eq!(there_and_back(bits), bits);
         assert_eq!(there_and_back(-bits), -bits);
-    }
-}
-
-#[test]
-fn each_field_has_the_name_and_the_unit_of_its_setting() {
-    for (field, name, unit) in [
-        (Field::SampleTime, "sample_time", "ms"),
-        (Field::Gain, "gain", "%/bar"),
-        (Field::IntegralTime, "integral_time", "ms"),
-        (Field::DerivativeTime, "derivative_time", "ms"),
-        (Field::IntegralMax, "integral_max", "%"),
-        (Field::TrackingTime, "tracking_time", "ms"),
-        (Field::Tolerance, "tolerance", "bar"),
-        (Field::BoostRate, "boost_rate", "%/(bar s)"),
-        (Field::BoostMax, "boost_max", "%"),
-        (Field::BoostResponse, "boost_response", "bar"),
-        (Field::SupplyPressure, "supply_pressure", "bar"),
-        (Field::DutyMinFill, "duty_min_fill", "%"),
-        (Field::DutyMinVent, "duty_min_vent", "%"),
-        (Field::DutyHalfFill, "duty_min_fill_at_half", "%"),
-        (Field::DutyHalfVent, "duty_min_vent_at_half", "%"),
-        (
-            Field::DutyMinFillWithSupplyPressure,
-            "duty_min_fill_with_supply_pressure",
-            "%",
-        ),
-        (
-            Field::DutyMinVentWithSupplyPressure,
-            "duty_min_vent_with_supply_pressure",
-            "%",
-        ),
-        (Field::DutyMaxFill, "duty_max_fill", "%"),
-        (Field::DutyMaxVent, "duty_max_vent", "%"),
-        (Field::DutyMiddleFill, "middle_fill", "%"),
-        (Field::DutyMiddleVent, "middle_vent", "%"),
-    ] {
-        assert_eq!((field.to_string().as_str(), field.unit()), (name, unit));
     }
 }
 

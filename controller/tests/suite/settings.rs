@@ -2,8 +2,8 @@
 
 use controller::fixed::types::I16F16;
 use controller::{
-    AntiWindup, Boost, Coefficient, Config, ConfigError, Distributor, Duty, Field, LowerLimit,
-    OpeningDuty, Settings,
+    AntiWindup, Boost, Coefficient, Compensation, Config, ConfigError, Distributor, Duty, Field,
+    LowerLimit, OpeningDuty, Settings,
 };
 
 use crate::support::{bare, configurations, lit};
@@ -156,6 +156,23 @@ fn each_bound_of_tolerance_and_boost_is_the_last_allowed_value() {
         }),
         ..bare()
     });
+}
+
+#[test]
+fn each_bound_of_the_compensation_is_the_last_allowed_value() {
+    let with = |nominal_voltage_v, nominal_resistance_ohm| Settings {
+        compensation: Some(Compensation {
+            nominal_voltage_v,
+            nominal_resistance_ohm,
+        }),
+        ..bare()
+    };
+    let voltage = |value| with(value, lit("82.2"));
+    check(Field::NominalVoltage, "9", -1, voltage);
+    check(Field::NominalVoltage, "36", 1, voltage);
+    let resistance = |value| with(lit("24"), value);
+    check(Field::NominalResistance, "1", -1, resistance);
+    check(Field::NominalResistance, "1000", 1, resistance);
 }
 
 #[test]
@@ -353,14 +370,14 @@ fn an_error_names_the_field_its_value_and_the_bound() {
             duty_max_fill_pct: lit("20"),
             ..bare()
         },
-        "duty_max_fill = 20 % is below duty_min_fill = 28.5 %: must be 28.5 ..= 100 %",
+        "duty_max_fill_pct = 20 % is below duty_min_fill_pct = 28.5 %: must be 28.5 ..= 100 %",
     );
     check(
         Settings {
             tolerance_bar: lit("-0.1"),
             ..bare()
         },
-        "tolerance = -0.1 bar is out of range: must be 0 ..= 10 bar",
+        "tolerance_bar = -0.1 bar is out of range: must be 0 ..= 10 bar",
     );
     check(
         Settings {
@@ -370,7 +387,7 @@ fn an_error_names_the_field_its_value_and_the_bound() {
             },
             ..bare()
         },
-        "middle_fill = 90 % is above duty_max_fill = 82 %: must be 25.5 ..= 82 %",
+        "middle_fill_pct = 90 % is above duty_max_fill_pct = 82 %: must be 25.5 ..= 82 %",
     );
     check(
         Settings {

@@ -5,7 +5,7 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
 /// Debounce count N of the supply voltage (samples).
-pub(crate) const BATTERY_N: u8 = 10;
+const BATTERY_N: u8 = Fault::BatteryLow.samples();
 
 /// Window check of the supply voltage; a voltage that is not measured is not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,11 +56,11 @@ mod tests {
     fn n_samples_outside_the_window_confirm_and_one_less_does_not() {
         for (millivolts, fault) in [
             (0, FaultSet::of(Fault::BatteryLow)),
-            (19_999, FaultSet::of(Fault::BatteryLow)),
-            (20_000, FaultSet::NONE),
+            (15_999, FaultSet::of(Fault::BatteryLow)),
+            (16_000, FaultSet::NONE),
             (24_000, FaultSet::NONE),
-            (32_000, FaultSet::NONE),
-            (32_001, FaultSet::of(Fault::BatteryHigh)),
+            (36_000, FaultSet::NONE),
+            (36_001, FaultSet::of(Fault::BatteryHigh)),
             (u16::MAX, FaultSet::of(Fault::BatteryHigh)),
         ] {
             for (samples, expected) in [(9, FaultSet::NONE), (10, fault), (11, fault)] {

@@ -8,7 +8,7 @@ use crate::fault::{Fault, FaultSet};
 use crate::history::History;
 
 /// Debounce count N of a coil current (PWM periods, one in each sample).
-pub(crate) const COIL_N: u8 = 3;
+const COIL_N: u8 = Fault::FillCoilOpen.samples();
 /// Lowest duty cycle at which a coil counts as energised: 20 %, 2⁻¹⁶. Below, the current may decay to zero within each
 /// period.
 pub(crate) const ENERGISED_MIN: i32 = 20 << 16;

@@ -6,7 +6,7 @@ use crate::valve::Valves;
 
 /// Count N of a pressure in a vented chamber (samples with the vent valve certainly open): 2 s empty the largest
 /// chamber through the smallest orifice.
-pub(crate) const OFFSET_N: u8 = 200;
+const OFFSET_N: u8 = Fault::SensorOffset.samples();
 /// Highest pressure reading of an empty chamber: 0.2 bar gauge, 2⁻¹⁶. The highest ambient pressure is 0.07 bar above
 /// the standard one; the rest is the sensor's error and noise.
 pub(crate) const EMPTY_MAX: i32 = 13_107;
@@ -58,6 +58,8 @@ mod tests {
 
     use super::*;
     use crate::detector::bench_limits;
+    use crate::duty_scales::DutyScales;
+    use crate::settings::VentValve;
 
     const VENTED: Output = Output {
         duty_fill: Duty::OFF,
@@ -68,7 +70,10 @@ mod tests {
     fn settled(opening: Output) -> (OffsetDetector, Valves) {
         let mut valves = Valves::UNKNOWN;
         for _ in 0..40 {
-            valves.record(&bench_limits(), opening);
+            valves.record(
+                bench_limits().open_duties(VentValve::NormallyClosed, DutyScales::ONE),
+                opening,
+            );
         }
         (OffsetDetector::NEW, valves)
     }

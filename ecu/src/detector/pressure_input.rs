@@ -11,7 +11,7 @@ use crate::fault::{Fault, FaultSet};
 use crate::sensor::{PressureSensor, SensorCode};
 
 /// Debounce count N of an implausible code (samples), common to all reasons: a loose plug causes all of them in turn.
-pub(crate) const DOUBT_N: u8 = 5;
+const DOUBT_N: u8 = Fault::SensorOpen.samples();
 
 /// Plausibility check of the pressure: missing codes, codes out of range, jumps, and stuck codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

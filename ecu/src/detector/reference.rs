@@ -7,7 +7,7 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
 /// Debounce count N of a lost reference (samples).
-pub(crate) const REFERENCE_N: u8 = 5;
+const REFERENCE_N: u8 = Fault::ReferenceLost.samples();
 /// Lowest possible reference: vacuum, 2⁻¹⁶ bar gauge.
 pub(crate) const REFERENCE_MIN: i32 = -(1 << 16);
 

@@ -6,7 +6,7 @@ use crate::fault::{Fault, FaultSet};
 use crate::valve::Valves;
 
 /// Debounce count N of a sum above [`EXCESS_MAX`] (samples).
-pub(crate) const RESPONSE_N: u8 = 3;
+const RESPONSE_N: u8 = Fault::NoRise.samples();
 /// Largest difference between the pressure and the range that the commands explain: 0.5 bar, 2⁻¹⁶. It exceeds the
 /// peak-to-peak value of a noise burst of ten times the noise of the sensor.
 pub(crate) const EXCESS_MAX: i32 = 1 << 15;
@@ -152,6 +152,8 @@ mod tests {
 
     use super::*;
     use crate::detector::bench_limits;
+    use crate::duty_scales::DutyScales;
+    use crate::settings::VentValve;
 
     /// Detector with two valves that have had the same command for a long time, and the pressure (2⁻¹⁶ bar).
     struct Command {
@@ -170,7 +172,10 @@ mod tests {
             };
             let mut valves = Valves::UNKNOWN;
             for _ in 0..40 {
-                valves.record(&bench_limits(), opening);
+                valves.record(
+                    bench_limits().open_duties(VentValve::NormallyClosed, DutyScales::ONE),
+                    opening,
+                );
             }
             let mut command = Self {
                 detector: ResponseDetector::NEW,

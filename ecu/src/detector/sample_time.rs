@@ -5,7 +5,7 @@ use crate::detector::Debounce;
 use crate::fault::{Fault, FaultSet};
 
 /// Debounce count N of the sample time (samples).
-pub(crate) const SAMPLE_TIME_N: u8 = 3;
+const SAMPLE_TIME_N: u8 = Fault::SampleTime.samples();
 
 /// Detector of a time between samples outside half to twice the sample time. The loop works within this range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -7,7 +7,7 @@ use crate::fault::{Fault, FaultSet};
 use crate::sensor::SensorCode;
 
 /// Count N of a stuck sensor (samples in which a valve was driven).
-pub(crate) const STUCK_N: u8 = 50;
+const STUCK_N: u8 = Fault::SensorStuck.samples();
 /// Pressure below which a vent valve hardly changes the pressure: 0.5 bar gauge, 2⁻¹⁶.
 pub(crate) const ROOM_TO_FALL: i32 = 1 << 15;
 

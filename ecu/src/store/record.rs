@@ -27,6 +27,10 @@ pub(super) struct Record {
 }
 
 /// Kind of content found in the bytes of a copy.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one at a time exists, and there is no allocator to box with"
+)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
     /// Erased, or never written.

@@ -1,52 +1,6 @@
-//! Fault reactions: how the ECU reaches the safe state.
+//! Reaction to several faults at once.
 
-use crate::fault::{Fault, FaultSet};
-
-/// Fault reaction, in order of increasing strictness. `docs/safety.md` has the reason for each fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(u8)]
-pub enum FaultReaction {
-    /// Shut both valves and wait whether the fault passes; then release.
-    Hold = 0,
-    /// Ramp the reference down to zero with the vent valve, then empty the chamber.
-    Ramp = 1,
-    /// Empty the chamber in pulses, without the sensor.
-    Release = 2,
-    /// Empty the chamber at once.
-    Vent = 3,
-    /// Switch both coils off at once.
-    Off = 4,
-    /// Switch both coils off until the lock is released.
-    Lock = 5,
-}
-
-impl Fault {
-    /// Returns the reaction to the fault.
-    pub const fn reaction(self) -> FaultReaction {
-        match self {
-            Self::SensorOpen
-            | Self::SensorShort
-            | Self::SensorBelowRange
-            | Self::SensorAboveRange
-            | Self::SensorJump
-            | Self::SensorMissing
-            | Self::BatteryLow
-            | Self::BatteryHigh => FaultReaction::Hold,
-            Self::NoRise
-            | Self::UncommandedFall
-            | Self::SupplyLost
-            | Self::FillCoilOpen
-            | Self::ReferenceLost => FaultReaction::Ramp,
-            Self::SensorStuck | Self::SampleTime => FaultReaction::Release,
-            Self::SensorOffset | Self::NoFall | Self::UncommandedRise | Self::FillCoilShort => {
-                FaultReaction::Vent
-            }
-            Self::VentCoilOpen | Self::VentCoilShort => FaultReaction::Off,
-            Self::MemoryDamaged => FaultReaction::Lock,
-        }
-    }
-}
+use crate::fault::{Fault, FaultReaction, FaultSet};
 
 const HELD: FaultSet = taking(FaultReaction::Hold);
 const RAMPED: FaultSet = taking(FaultReaction::Ramp);

@@ -1,7 +1,7 @@
 //! Transitions between modes: a pure function of the situation in a sample.
 
+use crate::fault::FaultReaction;
 use crate::mode::Mode;
-use crate::supervisor::fault_reaction::FaultReaction;
 
 /// Inputs of the decision about the next mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

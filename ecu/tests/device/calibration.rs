@@ -6,7 +6,8 @@ use ecu::calibration::{
     CheckedSettings, MISSING, SETTING_COUNT, SETTINGS, SIGNALS, SettingId, SettingValues, SignalId,
     Snapshot,
 };
-use ecu::{EcuSettings, Inputs};
+use ecu::controller::{Field, Settings};
+use ecu::{EcuField, EcuSettings, Inputs};
 use hil_protocol::{Actuators, Refusal, Telemetry, VALUES_MAX};
 use proptest::prelude::*;
 
@@ -17,13 +18,21 @@ fn all_in_use() -> SettingValues {
     let one = 1 << 16;
     let mut values = SettingValues::of(&EcuSettings::bench());
     for (id, value) in [
-        (SettingId::AntiWindup, 2),
-        (SettingId::TrackingTime, 200 * one),
-        (SettingId::Distributor, 2),
-        (SettingId::DutyMiddleFill, 60 * one),
-        (SettingId::DutyMiddleVent, 60 * one),
+        (SettingId::Controller(Field::AntiWindup), 2),
+        (SettingId::Controller(Field::TrackingTime), 200 * one),
+        (SettingId::Controller(Field::Distributor), 2),
+        (SettingId::Controller(Field::DutyMiddleFill), 60 * one),
+        (SettingId::Controller(Field::DutyMiddleVent), 60 * one),
     ] {
         values.set(id, value);
+    }
+    let pulses = EcuSettings {
+        controller: Settings::pulses(),
+        ..EcuSettings::bench()
+    };
+    for field in Field::ALL.into_iter().skip(Field::Pulses as usize) {
+        let id = SettingId::Controller(field);
+        values.set(id, SettingValues::of(&pulses).get(id));
     }
     assert!(values.checked().is_ok());
     values
@@ -45,6 +54,8 @@ fn names_are_unique_and_end_in_their_unit() {
             "1/s" => "_per_s",
             "V" => "_v",
             "mA" => "_ma",
+            "ohm" => "_ohm",
+            "mm" => "_mm",
             other => panic!("{}: unit {other}", setting.name),
         };
         assert!(setting.name.ends_with(suffix), "{setting:?}");
@@ -58,7 +69,7 @@ fn names_are_unique_and_end_in_their_unit() {
 fn a_name_leads_to_its_number_and_back() {
     for (number, setting) in SETTINGS.iter().enumerate() {
         let id = SettingId::named(setting.name).unwrap();
-        assert_eq!((id as usize, id.setting()), (number, setting));
+        assert_eq!((id.number() as usize, id.spec()), (number, setting));
     }
     for (number, signal) in SIGNALS.iter().enumerate() {
         let id = SignalId::named(signal.name).unwrap();
@@ -77,7 +88,7 @@ fn all_settings_fit_into_one_message() {
 #[test]
 fn a_quantity_out_of_range_is_refused_under_its_own_number() {
     for id in SettingId::ALL {
-        if !id.setting().choices.is_empty() {
+        if !id.spec().choices.is_empty() {
             continue;
         }
         for wrong in [i32::MIN, i32::MAX] {
@@ -91,11 +102,11 @@ fn a_quantity_out_of_range_is_refused_under_its_own_number() {
                 bound_by,
             }) = values.checked()
             else {
-                panic!("{} = {wrong} is accepted", id.setting().name);
+                panic!("{} = {wrong} is accepted", id.spec().name);
             };
-            assert_eq!((found, value), (id as u16, wrong), "{}", id.setting().name);
+            assert_eq!((found, value), (id.number(), wrong), "{}", id.spec().name);
             assert!(min <= max && !(min..=max).contains(&wrong));
-            assert_ne!(bound_by, Some(id as u16));
+            assert_ne!(bound_by, Some(id.number()));
         }
     }
 }
@@ -103,7 +114,7 @@ fn a_quantity_out_of_range_is_refused_under_its_own_number() {
 #[test]
 fn a_choice_that_does_not_exist_is_refused_under_its_own_number() {
     for id in SettingId::ALL {
-        let choices = id.setting().choices.len() as i32;
+        let choices = id.spec().choices.len() as i32;
         if choices == 0 {
             continue;
         }
@@ -119,7 +130,7 @@ fn a_choice_that_does_not_exist_is_refused_under_its_own_number() {
             let mut values = all_in_use();
             values.set(id, wrong);
             let expected = Refusal::OutOfRange {
-                id: id as u16,
+                id: id.number(),
                 value: wrong,
                 min: 0,
                 max: choices - 1,
@@ -133,16 +144,16 @@ fn a_choice_that_does_not_exist_is_refused_under_its_own_number() {
 #[test]
 fn a_number_bounded_by_another_names_it() {
     let mut values = all_in_use();
-    values.set(SettingId::DutyMaxFill, 40 << 16);
+    values.set(SettingId::Controller(Field::DutyMaxFill), 40 << 16);
     let refusal = values.checked().unwrap_err();
     assert_eq!(
         refusal,
         Refusal::OutOfRange {
-            id: SettingId::DutyMaxFill as u16,
+            id: SettingId::Controller(Field::DutyMaxFill).number(),
             value: 40 << 16,
-            min: values.get(SettingId::DutyMinFill),
+            min: values.get(SettingId::Controller(Field::DutyMinFill)),
             max: 100 << 16,
-            bound_by: Some(SettingId::DutyMinFill as u16),
+            bound_by: Some(SettingId::Controller(Field::DutyMinFill).number()),
         }
     );
 }
@@ -150,8 +161,8 @@ fn a_number_bounded_by_another_names_it() {
 #[test]
 fn numbers_that_are_impossible_together_are_refused() {
     let mut values = all_in_use();
-    values.set(SettingId::Gain, 1_000 << 16);
-    values.set(SettingId::IntegralTime, 1 << 16);
+    values.set(SettingId::Controller(Field::Gain), 1_000 << 16);
+    values.set(SettingId::Controller(Field::IntegralTime), 1 << 16);
     assert!(
         matches!(values.checked(), Err(Refusal::Product { .. })),
         "{:?}",
@@ -173,7 +184,7 @@ fn numbers_beyond_the_table_are_refused_and_none_is_taken() {
     }
     assert_eq!(values, all_in_use());
     values.set_from(last, &[1]).unwrap();
-    assert_eq!(values.get(SettingId::CoilCurrentMax), 1);
+    assert_eq!(values.get(SettingId::Ecu(EcuField::CoilCurrentMax)), 1);
 }
 
 /// Each number has its own place: settings that differ in one number differ in one field.
@@ -182,13 +193,13 @@ fn each_number_belongs_to_one_field() {
     let base = all_in_use();
     let mut seen = vec![base.settings().unwrap()];
     for id in SettingId::ALL {
-        if !id.setting().choices.is_empty() {
+        if !id.spec().choices.is_empty() {
             continue;
         }
         let mut values = base;
         values.set(id, values.get(id) + 1);
         let settings = values.settings().unwrap();
-        assert!(!seen.contains(&settings), "{}", id.setting().name);
+        assert!(!seen.contains(&settings), "{}", id.spec().name);
         seen.push(settings);
         assert_eq!(SettingValues::of(&settings), values);
     }
@@ -203,9 +214,9 @@ proptest! {
     ) {
         let mut values = SettingValues::from_array(quantities);
         for id in SettingId::ALL {
-            let count = id.setting().choices.len() as u32;
+            let count = id.spec().choices.len() as u32;
             if count > 0 {
-                values.set(id, (choices[id as usize] % count).cast_signed());
+                values.set(id, (choices[id.number() as usize] % count).cast_signed());
             }
         }
         let settings = values.settings().unwrap();

@@ -2,9 +2,10 @@
 
 use ecu::black_box::words;
 use ecu::calibration::{SETTING_COUNT, SETTINGS_DIGEST, SIGNALS_DIGEST, SettingId, SettingValues};
+use ecu::controller::Field;
 use ecu::device::EcuDevice;
 use ecu::store::{RamFlash, SettingsStore};
-use ecu::{Ecu, Inputs};
+use ecu::{Ecu, EcuField, Inputs};
 use hil_protocol::{
     Answer, DeviceSession, Event, HostSession, Identity, ImageIdentity, Refusal, Reply, Request,
     ResetCause, SettingsSource, SignalIds, Values, name,
@@ -135,7 +136,7 @@ fn full_calibration_traffic_changes_no_bit_of_the_control_task() {
     let mut bench = Bench::new();
     let mut twin = twin();
     let mut wrong = with_gain(20);
-    wrong.set(SettingId::Gain, -1);
+    wrong.set(SettingId::Controller(Field::Gain), -1);
     for sample in 0..300 {
         let ids = SignalIds::from_slice(&[1, 2, 3, (sample % 20) as u16]).unwrap();
         assert_eq!(bench.ask(Request::Measure { ids }), Reply::Done);
@@ -161,7 +162,7 @@ fn a_change_takes_effect_whole_with_the_sample_after_it_was_applied() {
     let mut bench = Bench::new();
     let mut twin = twin();
     let mut new = with_gain(50);
-    new.set(SettingId::Tolerance, 1 << 14);
+    new.set(SettingId::Controller(Field::Tolerance), 1 << 14);
     for sample in 0..200 {
         if sample == 60 {
             assert_eq!(bench.write(&new), Reply::Done);
@@ -188,9 +189,9 @@ fn a_torn_change_changes_nothing_and_says_so() {
     let built_in = SettingValues::of(defaults().settings());
     let mut new = built_in;
     for id in [
-        SettingId::Gain,
-        SettingId::Tolerance,
-        SettingId::CoilCurrentMax,
+        SettingId::Controller(Field::Gain),
+        SettingId::Controller(Field::Tolerance),
+        SettingId::Ecu(EcuField::CoilCurrentMax),
     ] {
         new.set(id, new.get(id) + 1);
     }
@@ -225,13 +226,13 @@ fn an_impossible_change_changes_nothing_and_names_field_value_and_bound() {
     let mut bench = Bench::new();
     let mut twin = twin();
     let mut wrong = with_gain(50);
-    wrong.set(SettingId::Tolerance, 11 << 16);
+    wrong.set(SettingId::Controller(Field::Tolerance), 11 << 16);
     bench.write(&wrong);
     let digest = wrong.digest();
     assert_eq!(
         bench.ask(Request::Apply { digest }),
         Reply::Refused(Refusal::OutOfRange {
-            id: SettingId::Tolerance as u16,
+            id: SettingId::Controller(Field::Tolerance).number(),
             value: 11 << 16,
             min: 0,
             max: 10 << 16,

@@ -1,6 +1,7 @@
 //! Settings store, without losses of supply.
 
 use ecu::calibration::{SettingId, SettingValues};
+use ecu::controller::Field;
 use ecu::store::{RamFlash, SettingsStore, StoreError};
 use hil_protocol::SettingsSource;
 use hil_protocol::crc32;
@@ -101,7 +102,7 @@ fn a_copy_of_another_format_version_length_or_table_is_not_taken() {
 #[test]
 fn a_whole_copy_with_impossible_settings_is_not_taken() {
     let mut flash = saved(&[10]);
-    let gain = 16 + 4 * SettingId::Gain as usize;
+    let gain = 16 + 4 * SettingId::Controller(Field::Gain).number() as usize;
     flash.bytes[gain..gain + 4].copy_from_slice(&(-1_i32).to_le_bytes());
     rechecked(&mut flash);
     assert_eq!(load(&flash).1, SettingsSource::DefaultsDamaged);

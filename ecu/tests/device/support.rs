@@ -1,6 +1,7 @@
 //! Distinguishable settings, and samples.
 
 use ecu::calibration::{CheckedSettings, SettingId, SettingValues};
+use ecu::controller::Field;
 use ecu::controller::fixed::types::I16F16;
 use ecu::{EcuSettings, PressureSensor, SensorCode};
 use hil_protocol::Sensors;
@@ -12,7 +13,10 @@ pub(crate) fn defaults() -> CheckedSettings {
 /// Returns the settings of the bench with another gain.
 pub(crate) fn with_gain(gain: i32) -> SettingValues {
     let mut values = SettingValues::of(&EcuSettings::bench());
-    values.set(SettingId::Gain, I16F16::from_num(gain).to_bits());
+    values.set(
+        SettingId::Controller(Field::Gain),
+        I16F16::from_num(gain).to_bits(),
+    );
     values
 }
 

@@ -94,7 +94,8 @@ impl Bench {
 
     /// Returns the inputs that the ECU measures on a healthy rig; the last bit of the sensor always changes.
     pub(crate) fn inputs(&self) -> Inputs {
-        let current_ma = |duty: f64| Some((3.0 * duty) as u16);
+        // 24 V, less 0.8 V of the freewheeling diode, and 82.2 ohm.
+        let current_ma = |duty: f64| Some((10.0 * (0.248 * duty - 0.8) / 0.822) as u16);
         let [fill_pct, vent_pct] = self.duties();
         let noise = u16::try_from(self.sample % 2).unwrap();
         Inputs {

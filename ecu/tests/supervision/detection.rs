@@ -91,7 +91,7 @@ const CASES: [Case; 15] = [
     Case {
         fault: Fault::BatteryHigh,
         before: holding,
-        wrong: |i| i.battery_mv = Some(36_000),
+        wrong: |i| i.battery_mv = Some(36_001),
     },
     Case {
         fault: Fault::SampleTime,

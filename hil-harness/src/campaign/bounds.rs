@@ -113,5 +113,12 @@ pub const UNEXPLAINED_BAR: f64 = 0.6;
 pub const ROOM_TO_FALL_BAR: f64 = 0.51;
 /// Lowest duty cycle of an energised coil (%).
 pub const ENERGISED_PCT: f64 = 20.0;
+/// Largest ratio of a resistance that the ECU measured to the true one.
+pub const RESISTANCE_ERROR: f64 = 1.04;
+/// Nominal supply voltage of the campaign's rigs (V).
+pub const NOMINAL_V: f64 = 24.0;
+/// Smallest and largest ratio of a coil's resistance to its nominal one that the compensation may use: its bounds, and a
+/// thousandth for its table of voltages. A fault of a current sensor leads there.
+pub const RESISTANCE_RATIO: [f64; 2] = [0.649, 1.702];
 /// Largest deviation of a duty cycle at the coil from the commanded one (%): half a step of a 16-bit PWM.
 pub const DUTY_STEP_PCT: f64 = 100.0 / 65535.0;

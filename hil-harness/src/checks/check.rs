@@ -23,7 +23,7 @@ pub struct Check {
     pub unit: String,
     /// Whether `reached` respects `limit`.
     pub holds: bool,
-    /// Whether the thesis requires it. A check that is not binding is shown and does not decide the verdict.
+    /// Whether the requirements bind it. A check that is not binding is shown and does not decide the verdict.
     pub binding: bool,
     /// Place of the worst value, or number of evaluated cases.
     pub evidence: String,
@@ -40,27 +40,37 @@ pub enum CheckId {
     SettlingTimeBeyondOperatingRange,
     FillTime,
     FillTimeWithDeadTime,
+    FillTimeToLevel,
+    FillTimeToLevelWithDeadTime,
     VentTime,
     VentTimeWithDeadTime,
+    VentTimeToLevel,
+    VentTimeToLevelWithDeadTime,
     NeverBothValves,
     DutyLimits,
     RestActuations,
+    Lifts,
 }
 
 impl CheckId {
     /// All checks, in the order of a verdict.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 16] = [
         Self::SettlingTime,
         Self::SteadyError,
         Self::Overshoot,
         Self::SettlingTimeBeyondOperatingRange,
         Self::FillTime,
         Self::FillTimeWithDeadTime,
+        Self::FillTimeToLevel,
+        Self::FillTimeToLevelWithDeadTime,
         Self::VentTime,
         Self::VentTimeWithDeadTime,
+        Self::VentTimeToLevel,
+        Self::VentTimeToLevelWithDeadTime,
         Self::NeverBothValves,
         Self::DutyLimits,
         Self::RestActuations,
+        Self::Lifts,
     ];
 
     /// Returns the name in files and tables.
@@ -72,11 +82,16 @@ impl CheckId {
             Self::SettlingTimeBeyondOperatingRange => "settling_time_beyond_operating_range",
             Self::FillTime => "fill_time",
             Self::FillTimeWithDeadTime => "fill_time_with_dead_time",
+            Self::FillTimeToLevel => "fill_time_to_level",
+            Self::FillTimeToLevelWithDeadTime => "fill_time_to_level_with_dead_time",
             Self::VentTime => "vent_time",
             Self::VentTimeWithDeadTime => "vent_time_with_dead_time",
+            Self::VentTimeToLevel => "vent_time_to_level",
+            Self::VentTimeToLevelWithDeadTime => "vent_time_to_level_with_dead_time",
             Self::NeverBothValves => "never_both_valves",
             Self::DutyLimits => "duty_limits",
             Self::RestActuations => "rest_actuations",
+            Self::Lifts => "lifts",
         }
     }
 }

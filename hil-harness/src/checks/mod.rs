@@ -2,9 +2,10 @@
 //! same signals is judged in the same way.
 //!
 //! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`. With `actuations_fill` and `actuations_vent` (counted from the
-//! start) the number of valve movements is judged, too.
+//! start) the number of valve movements is judged, too. With `p_ch_measured` the error of the sensor is shown.
 
 mod check;
+mod sensor;
 mod speed;
 mod steps;
 #[cfg(test)]
@@ -14,6 +15,7 @@ mod valves;
 mod verdict;
 
 pub use check::{Bound, Check, CheckId};
+pub use sensor::SensorError;
 pub use steps::StepResponse;
 pub use trajectory::JudgeError;
 pub use valves::Actuations;
@@ -31,26 +33,31 @@ use trajectory::Trajectory;
 pub fn judge(recording: &Recording, requirement: &Requirement) -> Result<Verdict, JudgeError> {
     let trajectory = Trajectory::of(recording)?;
     let steps = steps::responses(&trajectory, requirement);
-    let checks: Vec<Check> = [
+    let of_steps = [
         steps::settling_time(&steps, requirement),
         steps::steady_error(&steps, requirement),
         steps::overshoot(&steps, requirement),
         steps::settling_time_beyond_operating_range(&steps, requirement),
-        speed::fill_time(&trajectory, &steps, requirement),
-        speed::fill_time_with_dead_time(&trajectory, &steps, requirement),
-        speed::vent_time(&trajectory, &steps, requirement),
-        speed::vent_time_with_dead_time(&trajectory, &steps, requirement),
-        Some(valves::never_both(&trajectory)),
-        Some(valves::duty_limits(&trajectory, requirement)),
+    ];
+    let of_valves = [
+        valves::never_both(&trajectory, requirement),
+        valves::duty_limits(&trajectory, requirement),
         valves::rest_actuations(&trajectory, &steps, requirement),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+        valves::lifts(&trajectory, requirement),
+    ];
+    let checks: Vec<Check> = of_steps
+        .into_iter()
+        .chain(speed::fill_times(&trajectory, &steps, requirement))
+        .chain(speed::vent_times(&trajectory, &steps, requirement))
+        .chain(of_valves)
+        .flatten()
+        .collect();
     Ok(Verdict::new(
         recording,
+        requirement,
         checks,
         steps,
         valves::actuations(&trajectory),
+        sensor::sensor_error(recording, &trajectory),
     ))
 }

@@ -3,7 +3,7 @@
 use super::check::{Bound, Check, CheckId};
 use super::steps::{ROUNDING_BAR, StepResponse, place_of};
 use super::trajectory::Trajectory;
-use crate::requirement::Requirement;
+use crate::requirement::{Reading, Requirement};
 
 /// Share of the passage after which the pressure counts as moving.
 const ONSET_SHARE: f64 = 0.05;
@@ -13,6 +13,8 @@ struct Passage {
     from_bar: f64,
     to_bar: f64,
     max_t_req: f64,
+    /// Reading that binds.
+    binding: Reading,
     words: &'static str,
 }
 
@@ -22,6 +24,7 @@ impl Passage {
             from_bar: 0.0,
             to_bar: requirement.psup(requirement.fill_to_psup),
             max_t_req: requirement.fill_max_t_req,
+            binding: requirement.fill_reading,
             words: "filling from ambient pressure",
         }
     }
@@ -31,6 +34,7 @@ impl Passage {
             from_bar: requirement.psup(requirement.vent_from_psup),
             to_bar: requirement.psup(requirement.vent_to_psup),
             max_t_req: requirement.vent_max_t_req,
+            binding: requirement.vent_reading,
             words: "venting",
         }
     }
@@ -59,7 +63,7 @@ impl Passage {
     }
 }
 
-/// Duration of a passage (samples).
+/// Duration of a passage (samples), and its dead time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Duration {
     /// Duration from the step of the reference.
@@ -68,105 +72,107 @@ struct Duration {
     without_dead_time: f64,
 }
 
-/// Checks the filling time, counted as in table 4.3.
-pub(super) fn fill_time(
+/// Checks the filling time by every reading.
+pub(super) fn fill_times(
     trajectory: &Trajectory,
     steps: &[StepResponse],
     requirement: &Requirement,
-) -> Option<Check> {
-    timed(
+) -> [Option<Check>; 4] {
+    let ids = [
         CheckId::FillTime,
-        &Passage::fill(requirement),
-        trajectory,
-        steps,
-        requirement,
-    )
-}
-
-/// Checks the filling time, counted from the step of the reference.
-pub(super) fn fill_time_with_dead_time(
-    trajectory: &Trajectory,
-    steps: &[StepResponse],
-    requirement: &Requirement,
-) -> Option<Check> {
-    timed(
         CheckId::FillTimeWithDeadTime,
-        &Passage::fill(requirement),
-        trajectory,
-        steps,
-        requirement,
-    )
+        CheckId::FillTimeToLevel,
+        CheckId::FillTimeToLevelWithDeadTime,
+    ];
+    let passage = Passage::fill(requirement);
+    times(ids, &passage, trajectory, steps, requirement)
 }
 
-/// Checks the venting time, counted as in table 4.3.
-pub(super) fn vent_time(
+/// Checks the venting time by every reading.
+pub(super) fn vent_times(
     trajectory: &Trajectory,
     steps: &[StepResponse],
     requirement: &Requirement,
-) -> Option<Check> {
-    timed(
+) -> [Option<Check>; 4] {
+    let ids = [
         CheckId::VentTime,
-        &Passage::vent(requirement),
-        trajectory,
-        steps,
-        requirement,
-    )
+        CheckId::VentTimeWithDeadTime,
+        CheckId::VentTimeToLevel,
+        CheckId::VentTimeToLevelWithDeadTime,
+    ];
+    let passage = Passage::vent(requirement);
+    times(ids, &passage, trajectory, steps, requirement)
 }
 
-/// Checks the venting time, counted from the step of the reference.
-pub(super) fn vent_time_with_dead_time(
+/// Checks a passage by every reading, under the ids in the order of [`Reading::ALL`].
+fn times(
+    ids: [CheckId; 4],
+    passage: &Passage,
     trajectory: &Trajectory,
     steps: &[StepResponse],
     requirement: &Requirement,
-) -> Option<Check> {
-    timed(
-        CheckId::VentTimeWithDeadTime,
-        &Passage::vent(requirement),
-        trajectory,
-        steps,
-        requirement,
-    )
+) -> [Option<Check>; 4] {
+    let mut readings = Reading::ALL.into_iter();
+    ids.map(|id| {
+        timed(
+            id,
+            readings.next()?,
+            passage,
+            trajectory,
+            steps,
+            requirement,
+        )
+    })
 }
 
 fn timed(
     id: CheckId,
+    reading: Reading,
     passage: &Passage,
     trajectory: &Trajectory,
     steps: &[StepResponse],
     requirement: &Requirement,
 ) -> Option<Check> {
-    let binding = matches!(id, CheckId::FillTime | CheckId::VentTime);
-    let samples = |duration: Duration| {
-        if binding {
-            duration.without_dead_time
-        } else {
-            duration.with_dead_time
-        }
+    let binding = reading == passage.binding;
+    let samples = |step: &StepResponse| {
+        let end_bar = match reading.to_level {
+            true => passage.to_bar,
+            false => passage.end_bar(step, requirement),
+        };
+        let duration = duration(passage, step, end_bar, trajectory)?;
+        Some(match reading.with_dead_time {
+            true => duration.with_dead_time,
+            false => duration.without_dead_time,
+        })
     };
     let (worst, reached) = steps
         .iter()
         .filter(|step| passage.is_in(step, requirement))
-        .map(|step| {
-            (
-                step,
-                duration(passage, step, trajectory, requirement).map(samples),
-            )
-        })
+        .map(|step| (step, samples(step)))
         .max_by(|(_, a), (_, b)| {
             a.unwrap_or(f64::INFINITY)
                 .total_cmp(&b.unwrap_or(f64::INFINITY))
         })?;
     let limit = passage.max_t_req * f64::from(requirement.t_req_samples);
-    let counted = if binding {
-        "from the first motion of the pressure, as in table 4.3"
-    } else {
-        "from the step of the reference, dead time included"
+    let begin = match reading.with_dead_time {
+        true => "from the step of the reference, dead time included",
+        false => "from the first motion of the pressure, as in table 4.3",
+    };
+    let end = match reading.to_level {
+        true => "the level itself".to_owned(),
+        false => format!(
+            "{} bar before the reference, if that is earlier",
+            requirement.p_tol_bar
+        ),
     };
     Some(Check {
         id,
         requirement: format!(
-            "{} to {:.3} bar takes less than {} T_req, counted {counted} (section 1.4)",
-            passage.words, passage.to_bar, passage.max_t_req
+            "{} to {:.3} bar takes less than {} T_req, counted {begin}, to {end}{}",
+            passage.words,
+            passage.to_bar,
+            passage.max_t_req,
+            requirement.cite("section 1.4")
         ),
         bound: Bound::LessThan,
         limit,
@@ -178,17 +184,18 @@ fn timed(
     })
 }
 
-/// Returns the duration; `None` if the pressure never reaches the end of the passage while the reference is constant.
+/// Returns the duration to `end_bar` (bar gauge); `None` if the pressure never gets there while the reference is
+/// constant.
 fn duration(
     passage: &Passage,
     step: &StepResponse,
+    end_bar: f64,
     trajectory: &Trajectory,
-    requirement: &Requirement,
 ) -> Option<Duration> {
     let last = (step.index + step.held_samples as usize).min(trajectory.len() - 1);
     let answer = &trajectory.pressure[step.index..=last];
     let distance = |pressure: f64| passage.direction() * (pressure - step.from_bar);
-    let whole = distance(passage.end_bar(step, requirement));
+    let whole = distance(end_bar);
     let done = |share: f64| {
         answer
             .iter()

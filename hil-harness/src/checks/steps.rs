@@ -147,8 +147,9 @@ fn settling<'a>(
         id,
         requirement: format!(
             "every reference {place} {low} to {high} p_sup is reached within T_req, and the pressure then stays within \
-             {} bar (sections 1.4, 6.4.2)",
-            requirement.p_tol_bar
+             {} bar{}",
+            requirement.p_tol_bar,
+            requirement.cite("sections 1.4, 6.4.2")
         ),
         bound: Bound::AtMost,
         limit,
@@ -172,7 +173,8 @@ pub(super) fn steady_error(steps: &[StepResponse], requirement: &Requirement) ->
     Some(Check {
         id: CheckId::SteadyError,
         requirement: format!(
-            "from T_req on the pressure is within {limit} bar of the reference (section 1.4)"
+            "from T_req on the pressure is within {limit} bar of the reference{}",
+            requirement.cite("section 1.4")
         ),
         bound: Bound::AtMost,
         limit,
@@ -184,22 +186,23 @@ pub(super) fn steady_error(steps: &[StepResponse], requirement: &Requirement) ->
     })
 }
 
-/// Checks the overshoot. The thesis sets no limit; beyond P_tol it costs a correction.
+/// Checks the overshoot.
 pub(super) fn overshoot(steps: &[StepResponse], requirement: &Requirement) -> Option<Check> {
     let in_range = steps.iter().filter(|step| step.in_operating_range);
     let worst = in_range.max_by(|a, b| a.overshoot_bar.total_cmp(&b.overshoot_bar))?;
-    let limit = requirement.p_tol_bar;
+    let limit = requirement.overshoot_bar;
     Some(Check {
         id: CheckId::Overshoot,
         requirement: format!(
-            "the pressure goes at most {limit} bar beyond a new reference (not required; ours)"
+            "the pressure goes at most {limit} bar beyond a new reference{}",
+            requirement.cite("not required; ours")
         ),
         bound: Bound::AtMost,
         limit,
         reached: Some(worst.overshoot_bar),
         unit: "bar".to_owned(),
         holds: worst.overshoot_bar <= limit + ROUNDING_BAR,
-        binding: false,
+        binding: requirement.is_overshoot_binding,
         evidence: place_of(worst),
     })
 }

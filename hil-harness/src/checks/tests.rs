@@ -365,7 +365,7 @@ fn a_verdict_survives_json_and_refuses_what_it_does_not_know() {
     let verdict = made.verdict();
     let json = serde_json::to_string(&verdict).unwrap();
     assert!(
-        json.starts_with(r#"{"schema":"retarder.control/1","source":"made by hand","holds":false"#),
+        json.starts_with(r#"{"schema":"retarder.control/2","source":"made by hand","holds":false"#),
         "{json}"
     );
     assert!(

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::check::{Bound, Check, CheckId};
 use super::steps::{StepResponse, place_of};
 use super::trajectory::Trajectory;
-use crate::requirement::Requirement;
+use crate::requirement::{BothValves, Requirement};
 
 /// Numbers of valve actuations in the whole recording.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,22 +23,31 @@ pub struct Actuations {
 /// Resolution of a duty cycle on the wire (%): a smaller deviation is none.
 const ROUNDING_PCT: f64 = 1.0 / 65536.0;
 
-/// Checks that Scheme 1 never energises both valves.
-pub(super) fn never_both(trajectory: &Trajectory) -> Check {
+/// Checks that both valves are never energised together, unless the requirement allows it. A loop with an unknown
+/// distributor is judged like one with Scheme 1.
+pub(super) fn never_both(trajectory: &Trajectory, requirement: &Requirement) -> Option<Check> {
+    if requirement.both_valves == BothValves::Allowed {
+        return None;
+    }
     let [fill, vent] = &trajectory.duty;
     let both = |&index: &usize| fill[index] > 0.0 && vent[index] > 0.0;
-    count_of(
+    Some(count_of(
         CheckId::NeverBothValves,
         "the two valves are never energised in the same sample (Scheme 1, section 6.3.1)"
             .to_owned(),
         trajectory,
         both,
-    )
+    ))
 }
 
-/// Checks that a duty cycle is 0 or within its limits.
-pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Check {
-    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct];
+/// Checks that a duty cycle is 0 or within its limits, which pulses do not have.
+pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Option<Check> {
+    if requirement.is_pulsed {
+        return None;
+    }
+    let [factor_min, factor_max] = requirement.duty_factors;
+    let scaled = |[min, max]: [f64; 2]| [factor_min * min, (factor_max * max).min(100.0)];
+    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct].map(scaled);
     let beyond = |&index: &usize| {
         trajectory
             .duty
@@ -49,16 +58,29 @@ pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) ->
                 duty != 0.0 && !(min - ROUNDING_PCT..=max + ROUNDING_PCT).contains(&duty)
             })
     };
+    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct];
     let [[fill_min, fill_max], [vent_min, vent_max]] = limits;
-    count_of(
+    Some(count_of(
         CheckId::DutyLimits,
         format!(
             "a duty cycle is 0 or within {fill_min} to {fill_max} % (fill valve) and {vent_min} to {vent_max} % \
-             (vent valve) (tables 4.1, 4.2, section 6.3.1)"
+             (vent valve){}{}",
+            compensated(requirement),
+            requirement.cite("tables 4.1, 4.2, section 6.3.1")
         ),
         trajectory,
         beyond,
-    )
+    ))
+}
+
+/// Returns the factors of the duty limits as a part of a sentence; nothing without compensation.
+fn compensated(requirement: &Requirement) -> String {
+    match requirement.duty_factors {
+        [1.0, 1.0] => String::new(),
+        [min, max] => {
+            format!(", times {min:.2} to {max:.2} for supply voltage and coil resistance")
+        }
+    }
 }
 
 /// Creates a check that allows no sample.
@@ -111,14 +133,15 @@ pub(super) fn rest_actuations(
     Some(Check {
         id: CheckId::RestActuations,
         requirement: format!(
-            "from T_req on the valves move at most {limit} times within a second (not required; ours: no limit cycle)"
+            "from T_req on the valves move at most {limit} times within a second{}",
+            requirement.cite("not required; ours: no limit cycle")
         ),
         bound: Bound::AtMost,
         limit: limit.into(),
         reached: Some(count.into()),
         unit: "actuations".to_owned(),
         holds: count <= limit,
-        binding: false,
+        binding: requirement.is_rest_binding,
         evidence: place_of(worst),
     })
 }
@@ -137,6 +160,23 @@ fn most_within_a_second(
         .map(|index| (both(index) - both(index.saturating_sub(second).max(first))) as u32)
         .max()
         .unwrap_or(0)
+}
+
+/// Checks the mean number of lifts, if the requirement limits it.
+pub(super) fn lifts(trajectory: &Trajectory, requirement: &Requirement) -> Option<Check> {
+    let limit = requirement.lifts_per_s?;
+    let Actuations { fill, vent, per_s } = actuations(trajectory)?;
+    Some(Check {
+        id: CheckId::Lifts,
+        requirement: format!("the valves lift at most {limit} times per second, on average"),
+        bound: Bound::AtMost,
+        limit,
+        reached: Some(per_s),
+        unit: "1/s".to_owned(),
+        holds: per_s <= limit,
+        binding: true,
+        evidence: format!("{fill} of the fill valve, {vent} of the vent valve"),
+    })
 }
 
 /// Returns the totals of the recording.

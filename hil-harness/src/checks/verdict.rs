@@ -7,17 +7,20 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, CheckId};
+use super::sensor::SensorError;
 use super::steps::StepResponse;
 use super::valves::Actuations;
+use crate::confirmed_fault::ConfirmedFault;
+use crate::requirement::{BothValves, Requirement};
 
 /// Name and version of the JSON form of a [`Verdict`].
-pub const SCHEMA: &str = "retarder.control/1";
+pub const SCHEMA: &str = "retarder.control/2";
 
 /// All checks of one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
-    /// Name and version of this format, `retarder.control/1`.
+    /// Name and version of this format, `retarder.control/2`.
     pub schema: String,
     /// Source of the recording.
     pub source: String,
@@ -31,16 +34,28 @@ pub struct Verdict {
     pub steps: Vec<StepResponse>,
     /// Valve actuations; none if they were not logged.
     pub actuations: Option<Actuations>,
+    /// Error of the pressure sensor; none if the measured pressure was not recorded.
+    pub sensor_error: Option<SensorError>,
+    /// Faults that the ECU confirmed; none if its state was not recorded, as in a bench log.
+    pub confirmed_faults: Option<Vec<ConfirmedFault>>,
 }
 
 impl Verdict {
     pub(super) fn new(
         recording: &Recording,
+        requirement: &Requirement,
         checks: Vec<Check>,
         steps: Vec<StepResponse>,
         actuations: Option<Actuations>,
+        sensor_error: Option<SensorError>,
     ) -> Self {
         let is_exercised = |id: &CheckId| checks.iter().any(|check| check.id == *id);
+        let is_required = |id: &CheckId| match id {
+            CheckId::NeverBothValves => requirement.both_valves != BothValves::Allowed,
+            CheckId::DutyLimits => !requirement.is_pulsed,
+            CheckId::Lifts => requirement.lifts_per_s.is_some(),
+            _ => true,
+        };
         Self {
             schema: SCHEMA.to_owned(),
             source: recording.provenance().source.clone(),
@@ -48,11 +63,13 @@ impl Verdict {
             holds: !steps.is_empty() && checks.iter().all(|check| check.holds || !check.binding),
             not_exercised: CheckId::ALL
                 .into_iter()
-                .filter(|id| !is_exercised(id))
+                .filter(|id| is_required(id) && !is_exercised(id))
                 .collect(),
             checks,
             steps,
             actuations,
+            sensor_error,
+            confirmed_faults: None,
         }
     }
 

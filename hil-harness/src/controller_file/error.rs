@@ -2,24 +2,20 @@
 
 use core::fmt;
 
+use plant_sim::toml_file::{FileError, FileProblem, Unreadable};
+
 use super::keys::{Key, tables};
 
 /// All problems of one controller file.
-#[derive(Clone, Debug)]
-pub struct ControllerFileError {
-    file: String,
-    problems: Vec<Problem>,
-}
+pub type ControllerFileError = FileError<Problem>;
 
 /// One problem; lines count from 1.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "the variants' sentences name the fields")]
 #[non_exhaustive]
 pub enum Problem {
-    /// The file is too large for a controller file.
-    Size { bytes: usize, bytes_max: usize },
-    /// The file is not TOML.
-    Syntax { line: usize, message: String },
+    /// The file is too large or not TOML.
+    Unreadable(Unreadable),
     /// The table does not exist.
     UnknownTable { line: usize, table: String },
     /// The key does not exist.
@@ -69,29 +65,13 @@ pub enum Problem {
     Together { line: usize, message: String },
 }
 
-impl ControllerFileError {
-    pub(super) fn new(file: &str, mut problems: Vec<Problem>) -> Self {
-        problems.sort_by_key(|problem| problem.line().unwrap_or(usize::MAX));
-        Self {
-            file: file.to_owned(),
-            problems,
-        }
-    }
-
-    /// Returns the problems, in the order of the file.
-    pub fn problems(&self) -> &[Problem] {
-        &self.problems
-    }
-}
-
 impl Problem {
     /// Returns the line in the file, from 1; `None` if the problem has no line.
     pub fn line(&self) -> Option<usize> {
         match self {
-            Self::Size { .. } => None,
+            Self::Unreadable(unreadable) => unreadable.line(),
             Self::Missing { line, .. } => *line,
-            Self::Syntax { line, .. }
-            | Self::UnknownTable { line, .. }
+            Self::UnknownTable { line, .. }
             | Self::UnknownKey { line, .. }
             | Self::NoEffect { line, .. }
             | Self::WrongValue { line, .. }
@@ -103,33 +83,16 @@ impl Problem {
     }
 }
 
-impl core::error::Error for ControllerFileError {}
-
-impl fmt::Display for ControllerFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (n, problem) in self.problems.iter().enumerate() {
-            if n > 0 {
-                writeln!(f)?;
-            }
-            match problem.line() {
-                Some(line) => write!(f, "{}:{line}: {problem}", self.file)?,
-                None => write!(f, "{}: {problem}", self.file)?,
-            }
-        }
-        Ok(())
+impl FileProblem for Problem {
+    fn line(&self) -> Option<usize> {
+        self.line()
     }
 }
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Size { bytes, bytes_max } => {
-                write!(
-                    f,
-                    "{bytes} bytes, more than the {bytes_max} of any controller file"
-                )
-            }
-            Self::Syntax { message, .. } => write!(f, "not valid TOML: {message}"),
+            Self::Unreadable(unreadable) => write!(f, "{unreadable}"),
             Self::UnknownTable { table, .. } => {
                 let known: Vec<String> =
                     tables().iter().map(|table| format!("[{table}]")).collect();

@@ -1,18 +1,20 @@
-//! List of all keys.
+//! List of all keys, in the order of a file.
 
-use controller::Field;
+use std::sync::LazyLock;
 
-/// Key of a controller file.
+use controller::{Field, Form, SettingSpec};
+
+/// Key of a controller file. [`controller::Field`] has the table that the keys come from.
 #[derive(Debug)]
 pub struct Key {
     /// TOML table.
     pub table: &'static str,
-    /// TOML key, which ends in its unit.
+    /// TOML key; that of a number ends in its unit.
     pub name: &'static str,
     /// Description for the user.
     pub about: &'static str,
-    /// Field of the controller, if the key is a number.
-    pub(super) field: Option<Field>,
+    /// Setting at this key.
+    pub field: Field,
 }
 
 impl Key {
@@ -21,69 +23,60 @@ impl Key {
         format!("{}.{}", self.table, self.name)
     }
 
-    /// Returns the key of this path.
-    pub(super) fn find(table: &str, name: &str) -> Option<&'static Self> {
-        KEYS.iter()
-            .find(|key| key.table == table && key.name == name)
+    /// Returns the description of the setting at this key.
+    pub fn spec(&self) -> &'static SettingSpec {
+        self.field.spec()
     }
 }
 
-macro_rules! keys {
-    ($($table:ident.$name:ident $(($field:ident))?, $about:literal;)*) => {
-        &[$(Key {
-            table: stringify!($table),
-            name: stringify!($name),
-            about: $about,
-            field: keys!(@ $($field)?),
-        }),*]
+/// All keys, in the order of a file: the tables in the order of their first settings.
+pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+    let keys = |table: &'static str| {
+        Field::ALL
+            .into_iter()
+            .filter(move |field| field.spec().section == table && has_own_key(*field))
+            .flat_map(keys_of)
     };
-    (@ $field:ident) => { Some(Field::$field) };
-    (@) => { None };
+    tables().into_iter().flat_map(keys).collect()
+});
+
+/// Returns whether the setting has a key that no other setting uses.
+fn has_own_key(field: Field) -> bool {
+    match field.spec().form {
+        Form::Number | Form::Word | Form::Index => true,
+        Form::NumberOrOff | Form::Section => false,
+    }
 }
 
-/// All keys, in the order of a file.
-pub const KEYS: &[Key] = keys! {
-    sample.sample_time_ms (SampleTime), "sample time T_s, the ECU's period (equation 6.2)";
-
-    pid.gain_pct_per_bar (Gain), "gain K: control signal per bar of error (equation 6.2)";
-    pid.integral_time_ms (IntegralTime), "integral action time T_i (equation 6.2), or \"off\"";
-    pid.derivative_time_ms (DerivativeTime), "derivative action time T_d (equation 6.2), or \"off\"";
-    pid.integral_max_pct (IntegralMax), "bound of the integral part, also without anti-windup";
-    pid.integral_at_reference, "\"hold\": the integral part is remembered when the reference is reached; \"clear\": it starts again from 0";
-    pid.anti_windup, "\"off\", \"conditional_integration\" or \"back_calculation\" (section 6.5.1)";
-    pid.tracking_time_ms (TrackingTime), "time constant T_t of the back-calculation";
-
-    tolerance.tolerance_bar (Tolerance), "P_tol: both valves are off while the error is smaller (section 6.3.1)";
-
-    prediction.horizon_samples, "how far the error is predicted: 0 is off, 1 is equation 6.8, 2 is equation 6.10";
-    prediction.basis, "\"error\": its change is extrapolated (equation 6.7); \"pressure\": that of the pressure, blind to jumps of the reference";
-    prediction.switch_off, "predicted errors that turn both valves off: \"inside_tolerance\" (figure 6.9) or \"inside_or_beyond\"";
-
-    boost.rate_pct_per_bar_s (BoostRate), "rate of the extra integrator (section 6.5.3); without the table [boost] it is off";
-    boost.max_pct (BoostMax), "bound of the boost";
-    boost.response_bar (BoostResponse), "the pressure responds when it moves this much towards the reference in a sample";
-
-    distributor.scheme, "\"traditional\" (6.3 to 6.5), \"scheme_1\" (section 6.3.1) or \"scheme_2\" (both valves, section 6.3.2)";
-    distributor.middle_fill_pct (DutyMiddleFill), "duty cycle of the fill valve at u = 0 (Scheme 2)";
-    distributor.middle_vent_pct (DutyMiddleVent), "duty cycle of the vent valve at u = 0 (Scheme 2)";
-    distributor.duty_max_fill_pct (DutyMaxFill), "upper limit DC_max of the fill valve: full lift without over-magnetising (table 4.1)";
-    distributor.duty_max_vent_pct (DutyMaxVent), "upper limit DC_max of the vent valve (table 4.1)";
-    distributor.supply_pressure_bar (SupplyPressure), "supply pressure p_sup, gauge";
-
-    duty_min.law, "lower limit DC_min: \"constant\" (section 6.3.1) or \"pressure_dependent\" (section 7.2)";
-    duty_min.fill_pct (DutyMinFill), "lower limit of the fill valve at every pressure";
-    duty_min.vent_pct (DutyMinVent), "lower limit of the vent valve at every pressure";
-    duty_min.fill_without_pressure_pct (DutyMinFill), "what opens the fill valve without pressure difference (table 4.2)";
-    duty_min.fill_at_half_supply_pressure_pct (DutyHalfFill), "the same at half the supply pressure; \"force_balance\" and \"linear\" compute it from the ends";
-    duty_min.fill_with_supply_pressure_pct (DutyMinFillWithSupplyPressure), "the same at the full supply pressure (table 4.1)";
-    duty_min.vent_without_pressure_pct (DutyMinVent), "what opens the vent valve without pressure difference (table 4.2)";
-    duty_min.vent_at_half_supply_pressure_pct (DutyHalfVent), "the same at half the supply pressure, or \"force_balance\" or \"linear\"";
-    duty_min.vent_with_supply_pressure_pct (DutyMinVentWithSupplyPressure), "the same at the full supply pressure (table 4.1)";
-};
+fn keys_of(field: Field) -> impl Iterator<Item = Key> {
+    let SettingSpec {
+        section,
+        keys,
+        about,
+        ..
+    } = *field.spec();
+    keys.iter().map(move |name| Key {
+        table: section,
+        name,
+        about,
+        field,
+    })
+}
 
 /// Returns all tables, in the order of a file.
 pub(super) fn tables() -> Vec<&'static str> {
-    let mut tables: Vec<&str> = KEYS.iter().map(|key| key.table).collect();
-    tables.dedup();
+    let mut tables = Vec::new();
+    for field in Field::ALL {
+        if !tables.contains(&field.spec().section) {
+            tables.push(field.spec().section);
+        }
+    }
     tables
+}
+
+/// Returns whether the word `off` may stand at this key in place of a number.
+pub(super) fn may_be_off(table: &str, name: &str) -> bool {
+    Field::ALL.into_iter().map(Field::spec).any(|spec| {
+        spec.form == Form::NumberOrOff && spec.section == table && spec.keys.contains(&name)
+    })
 }

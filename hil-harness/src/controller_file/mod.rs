@@ -22,6 +22,11 @@ pub const THESIS_TOML: &str = include_str!("../../controllers/thesis.toml");
 /// Shipped recommended controller.
 pub const RECOMMENDED_TOML: &str = include_str!("../../controllers/recommended.toml");
 
+/// Shipped model-based pulses for orifices of 1.9 mm.
+pub const PULSES_1_9_MM_TOML: &str = include_str!("../../controllers/pulses-1.9mm.toml");
+/// Shipped model-based pulses for orifices of 1.3 mm.
+pub const PULSES_1_3_MM_TOML: &str = include_str!("../../controllers/pulses-1.3mm.toml");
+
 /// Reads a controller file; errors use `name` for it. [`controller::Config::new`] accepts the result.
 ///
 /// # Errors
@@ -43,4 +48,14 @@ pub fn thesis() -> Settings {
 /// Returns the shipped recommended controller.
 pub fn recommended() -> Settings {
     read(RECOMMENDED_TOML, "recommended.toml").expect("the shipped file is read by a test")
+}
+
+/// Returns the shipped model-based pulses for orifices of 1.9 mm.
+pub fn pulses_1_9_mm() -> Settings {
+    read(PULSES_1_9_MM_TOML, "pulses-1.9mm.toml").expect("the shipped file is read by a test")
+}
+
+/// Returns the shipped model-based pulses for orifices of 1.3 mm.
+pub fn pulses_1_3_mm() -> Settings {
+    read(PULSES_1_3_MM_TOML, "pulses-1.3mm.toml").expect("the shipped file is read by a test")
 }

@@ -1,45 +1,28 @@
 //! Reader of controller files: it finds every problem before it uses anything.
 
-use core::ops::Range;
 use std::cell::{Cell, RefCell};
 
 use controller::fixed::types::I16F16;
 use controller::{
-    AntiWindup, Boost, Coefficient, Config, ConfigError, Distributor, Field, IntegralAtReference,
-    LowerLimit, OpeningDuty, Prediction, PredictionBasis, Settings, SwitchOff,
+    Config, ConfigError, Field, Form, LowerLimit, OpeningDuty, SettingSpec, Settings,
 };
-use toml_edit::{Document, Item, TableLike, Value};
+use plant_sim::toml_file::{TomlFile, key_meant, shown};
+use toml_edit::{Item, TableLike, Value};
 
 use super::error::{ControllerFileError, Problem};
-use super::keys::{KEYS, Key, tables};
-
-/// Size beyond which a file is certainly no controller file (bytes).
-const BYTES_MAX: usize = 1 << 20;
+use super::keys::{KEYS, Key, may_be_off, tables};
 
 /// Largest relative change of a number by fixed point that is accepted.
 const ROUNDING_SHARE_MAX: f64 = 0.01;
 
 pub(super) fn read(text: &str, name: &str) -> Result<Settings, ControllerFileError> {
     let refuse = |problems| Err(ControllerFileError::new(name, problems));
-    if text.len() > BYTES_MAX {
-        return refuse(vec![Problem::Size {
-            bytes: text.len(),
-            bytes_max: BYTES_MAX,
-        }]);
-    }
-    let document = match Document::parse(text) {
-        Ok(document) => document,
-        Err(error) => {
-            let message = error.message().trim().replace('\n', ", ");
-            return refuse(vec![Problem::Syntax {
-                line: line_of(text, error.span()),
-                message,
-            }]);
-        }
+    let file = match TomlFile::parse(text) {
+        Ok(file) => file,
+        Err(unreadable) => return refuse(vec![Problem::Unreadable(unreadable)]),
     };
     let reader = Reader {
-        text,
-        document: &document,
+        file: &file,
         asked: KEYS.iter().map(|_| Cell::new(false)).collect(),
         problems: RefCell::default(),
     };
@@ -56,187 +39,120 @@ pub(super) fn read(text: &str, name: &str) -> Result<Settings, ControllerFileErr
 }
 
 struct Reader<'a> {
-    text: &'a str,
-    document: &'a Document<&'a str>,
+    file: &'a TomlFile<'a>,
     /// Whether the key at this index of [`KEYS`] belongs to the chosen options.
     asked: Vec<Cell<bool>>,
     problems: RefCell<Vec<Problem>>,
 }
 
+/// Laws that compute the opening duty cycle at half the supply pressure from the other two.
+const LAWS: [(&str, Law); 2] = [
+    ("force_balance", OpeningDuty::force_balance),
+    ("linear", OpeningDuty::linear),
+];
+
+type Law = fn(I16F16, I16F16) -> OpeningDuty;
+
 impl Reader<'_> {
-    /// Returns the settings; missing or wrong values are noted as problems and replaced by zero.
+    /// Returns the settings, row by row of the table. Missing or wrong values are noted as problems and replaced by
+    /// zero.
     fn settings(&self) -> Settings {
-        Settings {
-            sample_time_ms: self.number("sample", "sample_time_ms"),
-            gain_pct_per_bar: self.number("pid", "gain_pct_per_bar"),
-            integral_time_ms: self.number_or_off("pid", "integral_time_ms"),
-            derivative_time_ms: self.number_or_off("pid", "derivative_time_ms"),
-            integral_max_pct: self.number("pid", "integral_max_pct"),
-            integral_at_reference: self.word(
-                "pid",
-                "integral_at_reference",
-                &[
-                    ("hold", IntegralAtReference::Hold),
-                    ("clear", IntegralAtReference::Clear),
-                ],
-            ),
-            anti_windup: self.anti_windup(),
-            tolerance_bar: self.number("tolerance", "tolerance_bar"),
-            prediction: self.horizon(),
-            prediction_basis: self.word(
-                "prediction",
-                "basis",
-                &[
-                    ("error", PredictionBasis::Error),
-                    ("pressure", PredictionBasis::Pressure),
-                ],
-            ),
-            switch_off: self.word(
-                "prediction",
-                "switch_off",
-                &[
-                    ("inside_tolerance", SwitchOff::InsideTolerance),
-                    ("inside_or_beyond", SwitchOff::InsideOrBeyond),
-                ],
-            ),
-            boost: self.document.contains_key("boost").then(|| Boost {
-                rate_pct_per_bar_s: self.number("boost", "rate_pct_per_bar_s"),
-                max_pct: self.number("boost", "max_pct"),
-                response_bar: self.number("boost", "response_bar"),
-            }),
-            distributor: self.distributor(),
-            duty_min: self.duty_min(),
-            duty_max_fill_pct: self.number("distributor", "duty_max_fill_pct"),
-            duty_max_vent_pct: self.number("distributor", "duty_max_vent_pct"),
-            supply_pressure_bar: self.number("distributor", "supply_pressure_bar"),
+        let mut settings = Settings::recommended();
+        let mut laws = Vec::new();
+        for field in Field::ALL {
+            let SettingSpec {
+                form,
+                section,
+                choices,
+                ..
+            } = *field.spec();
+            // A number that the choices do not use has no key.
+            let Some(name) = field.key(&settings) else {
+                continue;
+            };
+            let number = match form {
+                Form::Number => match self.law(field, section, name) {
+                    Some(law) => {
+                        laws.push((field, law));
+                        continue;
+                    }
+                    None => self.number(field, section, name).to_bits(),
+                },
+                Form::Word => self.word(section, name, choices),
+                Form::Index => self.index(section, name, choices.len() as i32),
+                Form::NumberOrOff => i32::from(!self.is_off(section, name)),
+                Form::Section => i32::from(self.file.root().contains_key(section)),
+            };
+            field.set(&mut settings, number);
         }
-    }
-
-    fn anti_windup(&self) -> AntiWindup {
-        let off = AntiWindup::Off;
-        let tracking = AntiWindup::BackCalculation {
-            tracking_time_ms: I16F16::ZERO,
-        };
-        let choices = [
-            ("off", off),
-            (
-                "conditional_integration",
-                AntiWindup::ConditionalIntegration,
-            ),
-            ("back_calculation", tracking),
-        ];
-        match self.word("pid", "anti_windup", &choices) {
-            AntiWindup::BackCalculation { .. } => AntiWindup::BackCalculation {
-                tracking_time_ms: self.number("pid", "tracking_time_ms"),
-            },
-            other => other,
+        for (field, law) in laws {
+            apply(law, field, &mut settings.duty_min);
         }
+        settings
     }
 
-    fn horizon(&self) -> Prediction {
-        let Some((key, item)) = self.required("prediction", "horizon_samples") else {
-            return Prediction::Off;
-        };
-        match item.as_integer() {
-            Some(0) => Prediction::Off,
-            Some(1) => Prediction::OneStep,
-            Some(2) => Prediction::TwoStep,
-            _ => self.wrong(key, item, "0, 1 or 2".to_owned(), Prediction::Off),
-        }
-    }
-
-    fn distributor(&self) -> Distributor {
-        let both = Distributor::Scheme2 {
-            middle_fill_pct: I16F16::ZERO,
-            middle_vent_pct: I16F16::ZERO,
-        };
-        let choices = [
-            ("traditional", Distributor::Traditional),
-            ("scheme_1", Distributor::Scheme1),
-            ("scheme_2", both),
-        ];
-        match self.word("distributor", "scheme", &choices) {
-            Distributor::Scheme2 { .. } => Distributor::Scheme2 {
-                middle_fill_pct: self.number("distributor", "middle_fill_pct"),
-                middle_vent_pct: self.number("distributor", "middle_vent_pct"),
-            },
-            other => other,
-        }
-    }
-
-    fn duty_min(&self) -> LowerLimit {
-        if self.word(
-            "duty_min",
-            "law",
-            &[("constant", false), ("pressure_dependent", true)],
-        ) {
-            LowerLimit::PressureDependent {
-                fill: self.opening([
-                    "fill_without_pressure_pct",
-                    "fill_at_half_supply_pressure_pct",
-                    "fill_with_supply_pressure_pct",
-                ]),
-                vent: self.opening([
-                    "vent_without_pressure_pct",
-                    "vent_at_half_supply_pressure_pct",
-                    "vent_with_supply_pressure_pct",
-                ]),
-            }
-        } else {
-            LowerLimit::Constant {
-                fill_pct: self.number("duty_min", "fill_pct"),
-                vent_pct: self.number("duty_min", "vent_pct"),
-            }
-        }
-    }
-
-    fn opening(&self, [without, at_half, with]: [&'static str; 3]) -> OpeningDuty {
-        let ends = (
-            self.number("duty_min", without),
-            self.number("duty_min", with),
-        );
-        let Some((key, item)) = self.required("duty_min", at_half) else {
-            return OpeningDuty::linear(ends.0, ends.1);
-        };
-        match item.as_str() {
-            Some("force_balance") => OpeningDuty::force_balance(ends.0, ends.1),
-            Some("linear") => OpeningDuty::linear(ends.0, ends.1),
-            _ => OpeningDuty {
-                at_half_pct: self.decimal(key, item, "a number, \"force_balance\" or \"linear\""),
-                ..OpeningDuty::linear(ends.0, ends.1)
-            },
-        }
-    }
-
-    fn number(&self, table: &'static str, name: &'static str) -> I16F16 {
-        self.required(table, name)
-            .map_or(I16F16::ZERO, |(key, item)| {
-                self.decimal(key, item, "a number")
-            })
-    }
-
-    fn number_or_off(&self, table: &'static str, name: &'static str) -> Option<I16F16> {
-        let (key, item) = self.required(table, name)?;
-        (item.as_str() != Some("off")).then(|| self.decimal(key, item, "a number or \"off\""))
-    }
-
-    /// Returns the value of the word in the file; the first choice if it is missing or wrong.
-    fn word<T: Copy>(&self, table: &'static str, name: &'static str, choices: &[(&str, T)]) -> T {
-        let fallback = choices[0].1;
+    fn number(&self, field: Field, table: &'static str, name: &'static str) -> I16F16 {
         let Some((key, item)) = self.required(table, name) else {
-            return fallback;
+            return I16F16::ZERO;
         };
-        let chosen = item
-            .as_str()
-            .and_then(|word| choices.iter().find(|choice| choice.0 == word));
-        match chosen {
-            Some(&(_, value)) => value,
+        let expected = match field {
+            _ if may_be_off(table, name) => "a number or \"off\"",
+            Field::DutyHalfFill | Field::DutyHalfVent => {
+                "a number, \"force_balance\" or \"linear\""
+            }
+            _ => "a number",
+        };
+        self.decimal(key, item, expected)
+    }
+
+    /// Returns whether the key is missing or has the word `off` in place of a number.
+    fn is_off(&self, table: &'static str, name: &'static str) -> bool {
+        self.required(table, name)
+            .is_none_or(|(_, item)| item.as_str() == Some("off"))
+    }
+
+    /// Returns the law that the file names in place of the number at half the supply pressure.
+    fn law(&self, field: Field, table: &'static str, name: &'static str) -> Option<Law> {
+        if !matches!(field, Field::DutyHalfFill | Field::DutyHalfVent) {
+            return None;
+        }
+        let word = self.table(table)?.get(name)?.as_str()?;
+        let (_, law) = LAWS.into_iter().find(|(known, _)| *known == word)?;
+        self.required(table, name);
+        Some(law)
+    }
+
+    /// Returns the number of the word in the file; 0 if it is missing or wrong.
+    fn word(&self, table: &'static str, name: &'static str, choices: &[&str]) -> i32 {
+        let Some((key, item)) = self.required(table, name) else {
+            return 0;
+        };
+        let mut numbers = (0..).zip(choices);
+        let chosen = numbers.find(|(_, word)| item.as_str() == Some(word));
+        chosen.map_or_else(
+            || {
+                let words: Vec<String> = choices.iter().map(|word| format!("\"{word}\"")).collect();
+                self.wrong(key, item, words.join(" or "), 0)
+            },
+            |(number, _)| number,
+        )
+    }
+
+    /// Returns the number of a choice in the file; 0 if it is missing or wrong.
+    fn index(&self, table: &'static str, name: &'static str, count: i32) -> i32 {
+        let Some((key, item)) = self.required(table, name) else {
+            return 0;
+        };
+        let found = item
+            .as_integer()
+            .and_then(|number| i32::try_from(number).ok());
+        match found.filter(|number| (0..count).contains(number)) {
+            Some(number) => number,
             None => {
-                let words: Vec<String> = choices
-                    .iter()
-                    .map(|(word, _)| format!("\"{word}\""))
-                    .collect();
-                self.wrong(key, item, words.join(" or "), fallback)
+                let numbers: Vec<String> =
+                    (0..count - 1).map(|number| number.to_string()).collect();
+                let expected = format!("{} or {}", numbers.join(", "), count - 1);
+                self.wrong(key, item, expected, 0)
             }
         }
     }
@@ -246,11 +162,11 @@ impl Reader<'_> {
         let text = match item.as_value() {
             Some(Value::Integer(integer)) => integer.value().to_string(),
             Some(Value::Float(float)) if float.value().is_finite() => {
-                self.source(item).replace('_', "")
+                self.file.source(item).replace('_', "")
             }
             _ => return self.wrong(key, item, expected.to_owned(), I16F16::ZERO),
         };
-        let line = self.line(item.span());
+        let line = self.file.line(item);
         let found = shown(&text);
         let Ok(kept) = text.trim_start_matches('+').parse::<I16F16>() else {
             self.note(Problem::NotHeld { line, key, found });
@@ -279,18 +195,20 @@ impl Reader<'_> {
         self.asked[place].set(true);
         let found = self.table(table).and_then(|table| table.get(name));
         if found.is_none() {
-            let line = self.document.key(table).map(|key| self.line(key.span()));
+            let root = self.file.root();
+            let is_there = root.contains_key(table);
+            let line = is_there.then(|| self.file.line_of_key(root, table));
             self.note(Problem::Missing { line, key });
         }
         found.map(|item| (key, item))
     }
 
     fn table(&self, table: &str) -> Option<&dyn TableLike> {
-        self.document.get(table).and_then(Item::as_table_like)
+        self.file.root().get(table).and_then(Item::as_table_like)
     }
 
     fn wrong<T>(&self, key: &'static Key, item: &Item, expected: String, fallback: T) -> T {
-        let (line, found) = (self.line(item.span()), shown(self.source(item)));
+        let (line, found) = (self.file.line(item), shown(self.file.source(item)));
         self.note(Problem::WrongValue {
             line,
             key,
@@ -302,8 +220,9 @@ impl Reader<'_> {
 
     /// Notes every table and key that was not read.
     fn refuse_the_rest(&self) {
-        for (table, item) in self.document.iter() {
-            let line = self.line(self.document.key(table).and_then(toml_edit::Key::span));
+        let root = self.file.root();
+        for (table, item) in root.iter() {
+            let line = self.file.line_of_key(root, table);
             let known = tables().contains(&table);
             let Some(entries) = item.as_table_like().filter(|_| known) else {
                 self.note(Problem::UnknownTable {
@@ -313,7 +232,7 @@ impl Reader<'_> {
                 continue;
             };
             for (name, _) in entries.iter() {
-                let line = self.line(entries.key(name).and_then(toml_edit::Key::span));
+                let line = self.file.line_of_key(entries, name);
                 match KEYS
                     .iter()
                     .position(|key| key.table == table && key.name == name)
@@ -380,77 +299,50 @@ impl Reader<'_> {
                 let by = format!("where `{}` is the {bound}", path(other));
                 out_of_range(field, value, min, max, Some(by))
             }
-            ConfigError::CoefficientOutOfRange { coefficient, .. } => {
-                let field = match coefficient {
-                    Coefficient::Integral => Field::IntegralTime,
-                    Coefficient::Derivative => Field::DerivativeTime,
-                    Coefficient::Boost => Field::BoostRate,
-                };
-                Problem::Together {
-                    line: self.place_of(field).1,
-                    message: error.to_string(),
-                }
-            }
+            ConfigError::CoefficientOutOfRange { coefficient, .. } => Problem::Together {
+                line: self.place_of(coefficient.factor()).1,
+                message: error.to_string(),
+            },
         }
     }
 
     /// Returns the key that the file uses for a number of the controller, and its line.
     fn place_of(&self, field: Field) -> (&'static Key, usize) {
-        let keys = || KEYS.iter().filter(|key| key.field == Some(field));
+        let keys = || KEYS.iter().filter(|key| key.field == field);
         let used = keys().find_map(|key| {
             let item = self.table(key.table)?.get(key.name)?;
-            Some((key, self.line(item.span())))
+            Some((key, self.file.line(item)))
         });
-        // Every field of the controller has a key, as a test checks.
+        // Every number of the table has a key.
         used.unwrap_or_else(|| (keys().next().unwrap_or(&KEYS[0]), 1))
     }
 
     fn note(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
     }
+}
 
-    fn source(&self, item: &Item) -> &str {
-        item.span()
-            .and_then(|span| self.text.get(span))
-            .unwrap_or_default()
+/// Replaces the opening duty cycle at half the supply pressure by that of `law` between the other two.
+fn apply(law: Law, field: Field, duty_min: &mut LowerLimit) {
+    if let LowerLimit::PressureDependent { fill, vent } = duty_min {
+        let opening = if field == Field::DutyHalfFill {
+            fill
+        } else {
+            vent
+        };
+        *opening = law(
+            opening.without_pressure_pct,
+            opening.with_supply_pressure_pct,
+        );
     }
-
-    fn line(&self, span: Option<Range<usize>>) -> usize {
-        line_of(self.text, span)
-    }
 }
 
-fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
-    let end = span.map_or(0, |span| span.start.min(text.len()));
-    1 + text.as_bytes()[..end]
-        .iter()
-        .filter(|byte| **byte == b'\n')
-        .count()
-}
-
-/// Returns text of a file in a form that an error may show: short, and without characters that change a terminal's
-/// display.
-fn shown(text: &str) -> String {
-    let is_plain =
-        |c: char| !c.is_control() && !('\u{200b}'..='\u{206f}').contains(&c) && c != '\u{feff}';
-    text.chars()
-        .take(60)
-        .map(|c| if is_plain(c) { c } else { '\u{fffd}' })
-        .collect()
-}
-
-/// Returns the known key that has the most words in common with an unknown one, such as the same number in another
-/// unit.
+/// Returns the key that was probably meant: one of this table, otherwise one of any table.
 fn nearest(table: &str, name: &str) -> Option<String> {
-    let words = |text: &str| text.split('_').map(str::to_owned).collect::<Vec<_>>();
-    let wanted = words(name);
-    let common = |key: &Key| {
-        let own = words(key.name);
-        let shared = wanted.iter().filter(|word| own.contains(word)).count();
-        (shared, usize::from(key.table == table))
+    let meant = |is_one: &dyn Fn(&&Key) -> bool| {
+        let keys: Vec<&Key> = KEYS.iter().filter(is_one).collect();
+        let name = key_meant(name, keys.iter().map(|key| key.name))?;
+        keys.into_iter().find(|key| key.name == name).map(Key::path)
     };
-    KEYS.iter()
-        .max_by_key(|key| common(key))
-        .filter(|key| common(key).0 > 0)
-        .map(Key::path)
+    meant(&|key| key.table == table).or_else(|| meant(&|_| true))
 }

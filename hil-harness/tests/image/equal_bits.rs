@@ -20,10 +20,14 @@ use super::{ImageUnderTest, beside_in_process, image, short_scenario, started};
 type Pair = Compared<InProcess, ImageUnderTest>;
 
 #[test]
-fn over_every_scenario_with_both_controllers() {
+fn over_every_scenario_with_every_shipped_controller() {
     let mut pair = beside_in_process(Wire::Mailbox);
     for built_in in BUILT_IN {
-        for controller in [controller_file::recommended(), controller_file::thesis()] {
+        for controller in [
+            controller_file::recommended(),
+            controller_file::thesis(),
+            controller_file::pulses_1_9_mm(),
+        ] {
             let scenario = built_in.scenario().controlled_by(controller);
             let run = run(&scenario, &mut pair).unwrap_or_else(|error| panic!("{error}"));
             assert!(

@@ -1,39 +1,59 @@
 //! Unusual settings, generated from the ECU's own table, so that no choice is forgotten.
 
+use controller::{Field, Settings};
 use ecu::EcuSettings;
-use ecu::calibration::{SETTINGS, Setting, SettingId, SettingValues};
+use ecu::calibration::{SettingId, SettingValues};
 use hil_harness::random::Draws;
 
 /// Returns the bench's settings with a number for each quantity, also for those that its choices do not use.
 fn with_every_quantity() -> SettingValues {
     let mut values = SettingValues::of(&EcuSettings::bench());
     for (id, whole) in [
-        (SettingId::IntegralTime, 500),
-        (SettingId::DerivativeTime, 5),
-        (SettingId::TrackingTime, 100),
-        (SettingId::BoostRate, 300),
-        (SettingId::BoostMax, 20),
-        (SettingId::BoostResponse, 1),
-        (SettingId::DutyMiddleFill, 54),
-        (SettingId::DutyMiddleVent, 51),
-        (SettingId::DutyHalfFill, 40),
-        (SettingId::DutyHalfVent, 38),
-        (SettingId::DutyMinFillWithSupplyPressure, 29),
-        (SettingId::DutyMinVentWithSupplyPressure, 26),
+        (SettingId::Controller(Field::IntegralTime), 500),
+        (SettingId::Controller(Field::DerivativeTime), 5),
+        (SettingId::Controller(Field::TrackingTime), 100),
+        (SettingId::Controller(Field::BoostRate), 300),
+        (SettingId::Controller(Field::BoostMax), 20),
+        (SettingId::Controller(Field::BoostResponse), 1),
+        (SettingId::Controller(Field::DutyMiddleFill), 54),
+        (SettingId::Controller(Field::DutyMiddleVent), 51),
+        (SettingId::Controller(Field::DutyHalfFill), 40),
+        (SettingId::Controller(Field::DutyHalfVent), 38),
+        (
+            SettingId::Controller(Field::DutyMinFillWithSupplyPressure),
+            29,
+        ),
+        (
+            SettingId::Controller(Field::DutyMinVentWithSupplyPressure),
+            26,
+        ),
     ] {
         if values.get(id) == 0 {
             values.set(id, whole << 16);
         }
     }
+    let pulses = with_pulses();
+    for field in Field::ALL.into_iter().skip(Field::PulseOrifice as usize) {
+        let id = SettingId::Controller(field);
+        values.set(id, pulses.get(id));
+    }
     values
 }
 
-/// Returns every valid combination of choices.
+fn with_pulses() -> SettingValues {
+    SettingValues::of(&EcuSettings {
+        controller: Settings::pulses(),
+        ..EcuSettings::bench()
+    })
+}
+
+/// Returns every valid combination of choices of the PID controller, and the pulses, which use no other choice.
 pub(super) fn combinations() -> Vec<EcuSettings> {
     let mut all = vec![with_every_quantity()];
     for id in SettingId::ALL {
-        let choices = 0..id.setting().choices.len() as i32;
-        if !choices.is_empty() {
+        let choices = 0..id.spec().choices.len() as i32;
+        let is_pulses = id == SettingId::Controller(Field::Pulses);
+        if !choices.is_empty() && !is_pulses {
             all = all
                 .iter()
                 .flat_map(|values| {
@@ -46,6 +66,7 @@ pub(super) fn combinations() -> Vec<EcuSettings> {
                 .collect();
         }
     }
+    all.push(with_pulses());
     all.iter().filter_map(possible).collect()
 }
 
@@ -57,14 +78,15 @@ fn possible(values: &SettingValues) -> Option<EcuSettings> {
 pub(super) fn drawn(draws: &mut Draws) -> EcuSettings {
     loop {
         let mut values = with_every_quantity();
-        for (id, Setting { choices, .. }) in SettingId::ALL.into_iter().zip(&SETTINGS) {
+        for id in SettingId::ALL {
+            let choices = id.spec().choices;
             if !choices.is_empty() {
                 values.set(id, draws.below(choices.len() as u32) as i32);
             }
         }
         for _ in 0..draws.below(5) {
             let id = SettingId::ALL[draws.below(SettingId::ALL.len() as u32) as usize];
-            if id.setting().choices.is_empty() {
+            if id.spec().choices.is_empty() {
                 let factor = draws.between(-4.0, 4.0).exp2();
                 values.set(id, (f64::from(values.get(id)) * factor) as i32);
             }

@@ -1,6 +1,8 @@
 //! Errors of a diagnosis.
 
-use plant_sim::parameters::{Part, effects_meant};
+use plant_sim::PlantParameters;
+use plant_sim::effects::Effect;
+use plant_sim::parameters::Part;
 
 use super::knowledge::KnowledgeError;
 use crate::error::CompareError;
@@ -61,11 +63,13 @@ pub enum DiagnoseError {
     /// No effect has this id.
     #[error(
         "there is no effect `{id}`{}; `retarder parameters` lists the library",
-        hint(id)
+        hint(meant)
     )]
     NoSuchEffect {
         /// Requested id.
         id: String,
+        /// Ids that may have been meant.
+        meant: Vec<&'static str>,
     },
     /// The effect has no form of this name.
     #[error("the effect `{id}` has no form `{variant}`; it has {forms}")]
@@ -156,9 +160,25 @@ fn unlogged(logged: &[String]) -> Vec<&'static str> {
     FITTED_SIGNALS.into_iter().filter(is_absent).collect()
 }
 
+/// Returns the effect `id` that `plant` may have.
+///
+/// # Errors
+/// Returns an error with the ids that may have been meant if there is none.
+pub(super) fn candidate(
+    plant: &PlantParameters,
+    id: &str,
+) -> Result<&'static dyn Effect, DiagnoseError> {
+    plant
+        .candidate(id)
+        .ok_or_else(|| DiagnoseError::NoSuchEffect {
+            id: id.to_owned(),
+            meant: plant.effects_meant(id),
+        })
+}
+
 /// Returns a suggestion of the id that may have been meant.
-fn hint(id: &str) -> String {
-    match effects_meant(id).join("` or `") {
+fn hint(meant: &[&str]) -> String {
+    match meant.join("` or `") {
         meant if meant.is_empty() => meant,
         meant => format!(", did you mean `{meant}`?"),
     }

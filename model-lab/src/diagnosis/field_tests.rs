@@ -8,8 +8,9 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::Knowledge;
 use recording::Recording;
 
+use super::Diagnosis;
+use super::diagnose_with;
 use super::result::Verdict;
-use super::{Diagnosis, diagnose_with};
 use crate::bench::{Bench, logged, pressure_alone};
 
 /// Returns a diagnosis with these effects as the library.

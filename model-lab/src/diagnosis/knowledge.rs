@@ -1,7 +1,7 @@
 //! Freeing and fixing of the parameters of a plant for a fit.
 
 use plant_sim::PlantParameters;
-use plant_sim::parameters::{Knowledge, ParameterSpec};
+use plant_sim::parameters::Knowledge;
 
 use super::nuisance::{first_file_spread, ordinary_names};
 
@@ -104,7 +104,7 @@ fn free_within(
     low: f64,
     high: f64,
 ) -> Result<(), KnowledgeError> {
-    let spec = ParameterSpec::by_name(name).expect("a name of the plant");
+    let spec = plant.any_spec(name).expect("a name of the plant");
     let (least, most) = spec.range;
     if !(low < high && low >= least && high <= most) {
         return Err(KnowledgeError::Range {

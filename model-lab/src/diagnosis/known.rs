@@ -173,8 +173,8 @@ mod tests {
     use plant_sim::effects::{EffectSetting, by_id};
     use plant_sim::parameters::NOMINAL_PLANT_TOML;
 
-    use super::super::nuisance::ordinary_names;
     use super::*;
+    use crate::diagnosis::nuisance::ordinary_names;
 
     fn words(plant: &PlantParameters, name: &str) -> String {
         let spec = ParameterSpec::by_name(name).unwrap();

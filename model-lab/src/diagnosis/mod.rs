@@ -1,63 +1,41 @@
 //! Search for the missing physical effect.
 //!
 //! ```text
-//! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (nuisance parameters within their
-//!         tolerances) ─► found (these tolerances widened, or search: all effects, all forms) ─► selection (verdict) ─► result
+//! logs ─► evidence (errors over the noise, seen through a predictor) ─► fit (clocks, and nuisance parameters within
+//!         their tolerances) ─► search (these tolerances widened, or all effects in all forms) ─► result
 //! ```
+//!
+//! A group uses only groups to its left, and the types of `result`.
 
-mod alternatives;
-mod assemble;
-mod detection;
-mod effect_unknown;
 mod error;
-mod errors;
 mod estimation;
 mod evidence;
 #[cfg(test)]
 mod field_tests;
 mod fit;
-mod found;
 #[cfg(test)]
 mod found_tests;
-mod gather;
-mod interval;
 mod knowledge;
 mod known;
-mod log;
-mod log_unknown;
-mod logged_supply;
-mod logger_time;
 pub mod next_experiment;
 mod nuisance;
-mod plausibility;
-mod predictor;
-mod read_log;
+#[cfg(test)]
+mod own_effect_tests;
 mod refine;
 mod remaining;
 pub mod result;
 mod search;
 mod second_look;
-mod selection;
-mod sensor_noise;
-mod soundness;
-mod split;
-mod start;
 #[cfg(test)]
 mod start_tests;
-mod supply;
 #[cfg(test)]
 mod tests;
-mod trial;
-mod unknowns;
-mod vector;
 mod verdict;
-mod view;
-mod words;
 
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{Effect, EffectSetting, LIBRARY};
+use plant_sim::effects::{Effect, EffectSetting};
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -65,21 +43,23 @@ pub use error::DiagnoseError;
 pub use estimation::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation, estimate,
 };
+pub(crate) use fit::logger_time::conditions_of;
 pub use knowledge::{KnowledgeError, fix, free};
 pub use known::{Known, asking_plant_file, known};
-pub(crate) use logger_time::conditions_of;
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 
-use gather::gather;
-use logged_supply::with_logged_supply;
+use evidence::logged_supply::with_logged_supply;
+use evidence::predictor;
+use fit::gather::gather;
+use fit::split::Split;
+use fit::trial::Bench;
 use result::{DIAGNOSIS_SCHEMA, Location, Remaining};
-use split::Split;
-use trial::Bench;
+use search::{assemble, found};
 
-/// Finds the effects of the library that `plant` lacks to explain `logs`. Validation uses `check`, or without it, held-out blocks of the
+/// Finds the effects that `plant` lacks to explain `logs`: those of the library, and the user-defined ones of the plant file. Validation uses `check`, or without it, held-out blocks of the
 /// logs.
 ///
 /// `watch` receives the progress and may stop the search.
@@ -92,7 +72,8 @@ pub fn diagnose(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
-    diagnose_with(&LIBRARY, plant, logs, check, watch)
+    let candidates: Vec<_> = plant.candidates().collect();
+    diagnose_with(&candidates, plant, logs, check, watch)
 }
 
 /// Diagnoses as [`diagnose`] does, with another library: more effects than the built-in one, or fewer.
@@ -167,10 +148,11 @@ fn diagnose_within(
         .filter(|&effect| !plant.forms_of(effect).is_empty())
         .collect();
     let mut found = found::find(&mut split, plant, &library, plain, watch)?;
-    if found.adds_up(&split.bench(plant, &library))
+    let mut adds_up = found.adds_up(&split.bench(plant, &library));
+    if adds_up
         && let Some(free) = found::find_in_free_run(&mut split, plant, &library, &found, watch)?
     {
-        found = free;
+        (found, adds_up) = (free, false);
     }
     let bench = split.bench(plant, &library);
     let last = found.steps.last_mut().expect("at least the plain plant");
@@ -219,6 +201,7 @@ fn diagnose_within(
         starts: split.starts(),
         held_out: split.held_out().to_owned(),
         horizon: split.horizon(),
+        adds_up,
         predictor: predictor::statement(split.horizon()).to_owned(),
         verdict: found.verdict(),
         sentence: String::new(),

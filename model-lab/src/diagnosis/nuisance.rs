@@ -20,8 +20,6 @@ struct Ordinary {
     determined_by: &'static str,
     /// Standard deviation between two correct programs of one plant.
     between_programs: Spread,
-    /// Step of its differences, over the usual one.
-    step: f64,
     /// Standard deviation between two correct programs where no current is logged; none where that makes no difference.
     without_current: Option<Spread>,
 }
@@ -89,10 +87,6 @@ impl Shows {
     }
 }
 
-/// Step over the jumps of an error: of two pulses, one just opens an on/off valve, and a slightly shorter one passes nothing. A fine
-/// difference sees no jump, and the fit ends beside the best one.
-const OVER_JUMPS: f64 = 4.0;
-
 const fn relative(
     name: &'static str,
     usual: f64,
@@ -107,7 +101,6 @@ const fn relative(
         shown_by,
         determined_by,
         between_programs: Spread::Relative(0.01),
-        step: 1.0,
         without_current: None,
     }
 }
@@ -116,7 +109,6 @@ const fn relative(
 const fn delay(name: &'static str, determined_by: &'static str) -> Ordinary {
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
-        step: OVER_JUMPS,
         ..relative(name, 0.25, Shown::InPressure, determined_by)
     }
 }
@@ -126,6 +118,16 @@ const fn ramp(name: &'static str, determined_by: &'static str) -> Ordinary {
     Ordinary {
         between_programs: Spread::Absolute(0.2e-3),
         ..relative(name, 0.4, Shown::InPressure, determined_by)
+    }
+}
+
+/// Returns the row of a command or of an open share (%) on the characteristic of a proportional valve.
+const fn percentage(name: &'static str, usual: f64, determined_by: &'static str) -> Ordinary {
+    Ordinary {
+        usual: Some(Spread::Absolute(usual)),
+        first_file: Spread::Absolute(3.0 * usual),
+        between_programs: Spread::Absolute(0.2),
+        ..relative(name, 0.0, Shown::InPressure, determined_by)
     }
 }
 
@@ -146,7 +148,7 @@ const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume 4 %, magnetic circuits 8
 /// %; the delay of an output stage, and a pressure regulator with its gauge.
-static ORDINARY: [Ordinary; 31] = [
+static ORDINARY: [Ordinary; 45] = [
     relative(
         "flow.discharge_fill",
         0.10,
@@ -325,6 +327,78 @@ static ORDINARY: [Ordinary; 31] = [
         "log the pressure faster than the valve closes",
     ),
     relative(
+        "proportional_fill.conductance_dm3_per_s_bar",
+        0.15,
+        Shown::InPressure,
+        "fill the chamber with the valve fully open; fix the volume",
+    ),
+    critical_ratio(
+        "proportional_fill.critical_ratio",
+        "fill the chamber with the valve fully open, down to equal pressures",
+    ),
+    relative(
+        "proportional_fill.time_constant_s",
+        0.25,
+        Shown::InPressure,
+        "log the pressure faster than the valve follows steps of the command",
+    ),
+    percentage(
+        "proportional_fill.opens_at_pct",
+        3.0,
+        "command steps around the one at which the valve begins to open",
+    ),
+    percentage(
+        "proportional_fill.above_line_25_pct",
+        5.0,
+        "command steps to a quarter of the way",
+    ),
+    percentage(
+        "proportional_fill.above_line_50_pct",
+        5.0,
+        "command steps to half the way",
+    ),
+    percentage(
+        "proportional_fill.above_line_75_pct",
+        5.0,
+        "command steps to three quarters of the way",
+    ),
+    relative(
+        "proportional_vent.conductance_dm3_per_s_bar",
+        0.15,
+        Shown::InPressure,
+        "vent the full chamber with the valve fully open; fix the volume",
+    ),
+    critical_ratio(
+        "proportional_vent.critical_ratio",
+        "vent the full chamber with the valve fully open, down to equal pressures",
+    ),
+    relative(
+        "proportional_vent.time_constant_s",
+        0.25,
+        Shown::InPressure,
+        "log the pressure faster than the valve follows steps of the command",
+    ),
+    percentage(
+        "proportional_vent.opens_at_pct",
+        3.0,
+        "command steps around the one at which the valve begins to open",
+    ),
+    percentage(
+        "proportional_vent.above_line_25_pct",
+        5.0,
+        "command steps to a quarter of the way",
+    ),
+    percentage(
+        "proportional_vent.above_line_50_pct",
+        5.0,
+        "command steps to half the way",
+    ),
+    percentage(
+        "proportional_vent.above_line_75_pct",
+        5.0,
+        "command steps to three quarters of the way",
+    ),
+    relative(
         "chamber.growth_m3_per_bar",
         0.25,
         Shown::InPressure,
@@ -395,8 +469,6 @@ pub(crate) struct Nuisance {
     pub(crate) determined_by: &'static str,
     /// Standard deviation of the value between two correct programs of one plant, in the unit of the parameter.
     pub(crate) between_programs: f64,
-    /// Step of its differences, over the usual one.
-    pub(crate) step: f64,
     /// Half width of the usual tolerance of the part, in the unit of the parameter; none if it has none.
     pub(crate) usual: Option<f64>,
     /// Value of the plant file.
@@ -405,6 +477,8 @@ pub(crate) struct Nuisance {
     pub(crate) tolerance: f64,
     /// Least and largest coordinate, (value - datasheet) / tolerance, of a fit.
     pub(crate) bounds: (f64, f64),
+    /// Coordinates at which the error of the model jumps, ascending.
+    pub(crate) jumps: Vec<f64>,
 }
 
 /// Returns the parameters of `plant` that a fit moves, as far as logs show them.
@@ -460,7 +534,7 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
                     let without = one.without_current.filter(|_| !shows.current);
                     without.unwrap_or(one.between_programs).around(there)
                 }),
-                step: ordinary.map_or(1.0, |one| one.step),
+                jumps: Vec::new(),
                 usual: ordinary
                     .and_then(|one| one.usual)
                     .map(|usual| usual.around(there)),
@@ -473,6 +547,10 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
 }
 
 impl Nuisance {
+    pub(crate) fn coordinate_of(&self, value: f64) -> f64 {
+        (value - self.datasheet) / self.tolerance
+    }
+
     /// Sets it to `value`, and with it the parameters that move in proportion.
     pub(crate) fn set(&self, plant: &mut PlantParameters, datasheet: &PlantParameters, value: f64) {
         self.spec.put(plant, value);

@@ -4,20 +4,19 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{EffectSetting, by_id};
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::effects::EffectSetting;
 use recording::Recording;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::assemble;
-use super::error::DiagnoseError;
+use super::error::{DiagnoseError, candidate};
+use super::evidence::unknowns::Unknown;
+use super::fit::split::Split;
+use super::fit::trial::{Bench, Trial};
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
+use super::search::assemble;
+use super::search::selection::Selection;
 use super::search::{Tried, Watch, best_form, report};
-use super::selection::Selection;
-use super::split::Split;
-use super::trial::{Bench, Trial};
-use super::unknowns::Unknown;
 use super::verdict::CLEARLY_LESS;
 use crate::result::{LogDefects, NotCompared, Warning};
 
@@ -194,7 +193,7 @@ fn forms(
     id: &str,
     variant: Option<&str>,
 ) -> Result<Vec<EffectSetting>, DiagnoseError> {
-    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect { id: id.to_owned() })?;
+    let effect = candidate(plant, id)?;
     let about = effect.about();
     let Some(variant) = variant else {
         return Ok(plant.forms_of(effect));
@@ -236,7 +235,7 @@ fn sentence(error_steps: &[Step]) -> String {
     let added: Vec<String> = error_steps
         .iter()
         .filter_map(|step| step.added.as_ref())
-        .map(|id| id.replace('_', " "))
+        .map(|id| id.replace(['_', '.'], " "))
         .collect();
     format!(
         "with {} {:.0} % of the excess error is explained",
@@ -276,7 +275,7 @@ pub(super) fn rounded(value: f64) -> f64 {
 
 /// Rounds a value for a file, and states its origin.
 fn say(plant: &mut PlantParameters, name: &str, origin: &str) {
-    let (Some(spec), Some(value)) = (ParameterSpec::by_name(name), plant.get(name)) else {
+    let (Some(spec), Some(value)) = (plant.any_spec(name), plant.get(name)) else {
         return;
     };
     spec.put(plant, rounded(value));
@@ -286,6 +285,8 @@ fn say(plant: &mut PlantParameters, name: &str, origin: &str) {
 #[cfg(test)]
 mod tests {
     use core::ops::ControlFlow;
+
+    use plant_sim::effects::by_id;
 
     use super::*;
 

@@ -6,10 +6,10 @@
 
 use plant_sim::PlantParameters;
 
-use super::assemble::{self, Answer};
 use super::estimation::Estimation;
 use super::known::{Known, known};
 use super::result::{Diagnosis, NuisanceValue, OutsideValue, Step, StepKind, Verdict};
+use super::search::assemble::{self, Answer};
 
 /// Largest ratio of the remaining excess, estimated over given values, at which the estimated values justify a second search.
 const MUCH_NEARER: f64 = 0.5;

@@ -9,9 +9,9 @@ use plant_sim::{PlantParameters, Tolerance};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
 use super::diagnose;
-use super::gather::gather;
+use super::fit::gather::gather;
+use super::fit::split::Split;
 use super::result::Verdict;
-use super::split::Split;
 use crate::bench::Bench;
 use crate::metrics::rms;
 use crate::noise::Noise;
@@ -150,7 +150,7 @@ fn the_thermometer_shows_how_warm_the_gas_begins() {
     let warm = vessel().with_effect(gas_temperature(0.5));
     let log = after_filling(&warm, 323.15);
     let mut evidence = gather(&warm, [&log]).unwrap();
-    super::logger_time::fit_conditions(&warm, &mut evidence);
+    super::fit::logger_time::fit_conditions(&warm, &mut evidence);
     let excess_k = evidence.logs[0].conditions.start_gas.excess_k;
     assert!((excess_k - 30.0).abs() < 0.2, "{excess_k}");
     let residuals = evidence.residuals(&warm, Horizon::OneStepAhead).unwrap();

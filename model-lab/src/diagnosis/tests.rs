@@ -5,14 +5,15 @@ use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
 use recording::{Recording, Unit};
 
-use super::assemble::regimes;
+use super::diagnose;
+use super::evidence::unknowns::Unknowns;
+use super::fit::gather::gather;
+use super::fit::logger_time::fit_conditions;
+use super::fit::split::Split;
 use super::fit::{Descent, Difference, Fitter};
-use super::gather::gather;
-use super::logger_time::fit_conditions;
+use super::refine;
 use super::result::Verdict;
-use super::split::Split;
-use super::unknowns::Unknowns;
-use super::{diagnose, refine};
+use super::search::assemble::regimes;
 use crate::bench::{Bench, logged};
 
 fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {

@@ -73,6 +73,7 @@ pub fn compare_with_model(
     measurements: &Measurements,
 ) -> ThesisTable {
     let mut rows = duty_limits(parameters, measurements);
+    rows.extend(full_stroke(parameters, measurements));
     rows.extend(currents(parameters, measurements));
     for rig in &measurements.filling_and_venting {
         rows.extend(filling_and_venting(parameters, measurements, rig));
@@ -130,7 +131,18 @@ fn duty_limits(parameters: &PlantParameters, measurements: &Measurements) -> Vec
         ),
     ]
     .into_iter()
-    .map(|(source, quantity, measured, simulated)| Row {
+    .map(|(source, quantity, measured, simulated)| duty_row(source, quantity, measured, simulated))
+    .map(|row| row.held_to(DUTY_LIMIT_PCT))
+    .map(|row| match row.quantity.ends_with("stays open") {
+        true => row.with_note(STAYS_OPEN),
+        false => row,
+    })
+    .collect()
+}
+
+/// Returns the row of a duty cycle (%), not judged.
+fn duty_row(source: &str, quantity: &str, measured: f64, simulated: Option<f64>) -> Row {
+    Row {
         source: source.to_owned(),
         rig: None,
         quantity: quantity.to_owned(),
@@ -144,9 +156,34 @@ fn duty_limits(parameters: &PlantParameters, measurements: &Measurements) -> Vec
         limit: None,
         holds: None,
         note: None,
-    })
-    .map(|row| row.held_to(DUTY_LIMIT_PCT))
-    .collect()
+    }
+}
+
+/// Criterion of the rows of DC_max.
+const STAYS_OPEN: &str = "judged by a travel of 5 % of the stroke: the armature no longer returns to its seat, which ends \
+                          the sound by which the thesis found the limit";
+
+/// Returns the strict reading of DC_max: the armature rests at full stroke.
+fn full_stroke(parameters: &PlantParameters, measurements: &Measurements) -> [Row; 2] {
+    let limits = &measurements.duty_limits_percent;
+    let row = |quantity: &str, measured: f64, valve| {
+        let simulated = experiment::full_stroke_duty_pct(parameters, valve);
+        duty_row("tables 4.1, 4.2", quantity, measured, simulated).with_note(
+            "strict reading of the same limit: the armature rests at full stroke and moves no more",
+        )
+    };
+    [
+        row(
+            "fill valve rests at full stroke",
+            limits.fill_hold,
+            ValveId::Fill,
+        ),
+        row(
+            "vent valve rests at full stroke",
+            limits.vent_hold,
+            ValveId::Vent,
+        ),
+    ]
 }
 
 fn currents(parameters: &PlantParameters, measurements: &Measurements) -> Vec<Row> {

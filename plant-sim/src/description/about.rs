@@ -62,7 +62,7 @@ impl Variant {
 impl About {
     /// Returns the id as a headline: `Chamber leak`.
     pub fn title(&self) -> String {
-        let mut words = self.id.replace('_', " ");
+        let mut words = self.id.replace(['_', '.'], " ");
         words[..1].make_ascii_uppercase();
         words
     }

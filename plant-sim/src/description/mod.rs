@@ -10,11 +10,11 @@ mod spec;
 pub use about::{About, EntryPoint, Variant};
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::middle;
-pub use parameters::{Effect, EffectSetting, PlantParameters};
+pub use parameters::{Effect, EffectSetting, OwnEffects, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, RegulatingValveParameters,
-    SecondChamberParameters,
+    GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ProportionalValveParameters,
+    RegulatingValveParameters, SecondChamberParameters,
 };
 pub(crate) use spec::{EFFECTS, effect_parameters};
 pub use spec::{ParameterSpec, Scale, Size};

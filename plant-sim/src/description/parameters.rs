@@ -9,8 +9,8 @@ use super::knowledge::Knowledge;
 use super::sections::PA_PER_BAR;
 use super::sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, OnOffValveParameters, RegulatingValveParameters,
-    SecondChamberParameters,
+    GasParameters, MagnetParameters, OnOffValveParameters, ProportionalValveParameters,
+    RegulatingValveParameters, SecondChamberParameters,
 };
 use super::spec::ParameterSpec;
 use crate::plant::{FILL, Plant};
@@ -33,6 +33,10 @@ pub struct PlantParameters {
     pub on_off_fill: OnOffValveParameters,
     /// `[on_off_vent]`: vent valve, if it is an on/off valve.
     pub on_off_vent: OnOffValveParameters,
+    /// `[proportional_fill]`: fill valve, if it is a proportional valve.
+    pub proportional_fill: ProportionalValveParameters,
+    /// `[proportional_vent]`: vent valve, if it is a proportional valve.
+    pub proportional_vent: ProportionalValveParameters,
     /// `[gas]`
     pub gas: GasParameters,
     /// `[chamber]`; a volume of 0 means no chamber.
@@ -46,6 +50,8 @@ pub struct PlantParameters {
     pub regulating_valve: Option<RegulatingValveParameters>,
     /// `[effects.*]`: effects in addition to the thesis' model, each at most once.
     pub effects: Vec<EffectSetting>,
+    /// User-defined effects that the plant may have, in addition to those of the library.
+    pub own: OwnEffects,
     /// Source of each value, by `section.key`; the comment behind the value in the file.
     pub provenance: BTreeMap<String, String>,
     /// Knowledge of values, by `section.key`; a value without a statement has the usual tolerance of its part.
@@ -57,9 +63,46 @@ pub trait Effect: Debug + Sync {
     /// Returns the description of the effect, for people and for a diagnosis.
     fn about(&self) -> &'static About;
 
+    /// Returns the table of a plant file that defines the effect; `None` for an effect in Rust.
+    fn definition_toml(&self) -> Option<&str> {
+        None
+    }
+
     /// Adds the effect to a plant that was prepared from `parameters`. The method is called once per simulation, and
     /// not at all if `setting` is off.
     fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant);
+}
+
+/// User-defined effects, by their ids; each at most once.
+#[derive(Debug, Clone, Default)]
+pub struct OwnEffects(Vec<&'static dyn Effect>);
+
+impl OwnEffects {
+    /// Adds an effect, which replaces the one of the same id.
+    pub fn add(&mut self, effect: &'static dyn Effect) {
+        let id = effect.about().id;
+        self.0.retain(|one| one.about().id != id);
+        self.0.push(effect);
+    }
+
+    /// Returns the effects, in the order of adding.
+    pub fn iter(&self) -> impl Iterator<Item = &'static dyn Effect> + Clone + '_ {
+        self.0.iter().copied()
+    }
+
+    /// Returns the effect with this id.
+    pub fn by_id(&self, id: &str) -> Option<&'static dyn Effect> {
+        self.iter().find(|effect| effect.about().id == id)
+    }
+}
+
+impl PartialEq for OwnEffects {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |(one, other): (&'static dyn Effect, &'static dyn Effect)| {
+            core::ptr::eq(one.about(), other.about())
+        };
+        self.0.len() == other.0.len() && self.iter().zip(other.iter()).all(same)
+    }
 }
 
 /// Setting of an effect: one `[effects.*]` table of a plant.
@@ -236,6 +279,8 @@ impl PlantParameters {
             },
             on_off_fill: OnOffValveParameters::default(),
             on_off_vent: OnOffValveParameters::default(),
+            proportional_fill: ProportionalValveParameters::default(),
+            proportional_vent: ProportionalValveParameters::default(),
             gas: GasParameters {
                 gas_constant_j_per_kg_k: 287.05,
                 heat_capacity_ratio: 1.4,
@@ -250,6 +295,7 @@ impl PlantParameters {
             functions: [ValveFunction::NormallyClosed; 2],
             regulating_valve: None,
             effects: Vec::new(),
+            own: OwnEffects::default(),
             provenance: BTreeMap::new(),
             knowledge: BTreeMap::new(),
         }

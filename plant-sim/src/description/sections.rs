@@ -65,6 +65,19 @@ pub struct OnOffValveParameters {
     pub closing_ramp_s: f64,
 }
 
+/// Proportional valve that is known by its characteristic and its conductance.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs, reason = "each field is described in PARAMETERS")]
+pub struct ProportionalValveParameters {
+    pub conductance_dm3_per_s_bar: f64,
+    pub critical_ratio: f64,
+    pub time_constant_s: f64,
+    pub opens_at_pct: f64,
+    pub above_line_25_pct: f64,
+    pub above_line_50_pct: f64,
+    pub above_line_75_pct: f64,
+}
+
 /// Gas, and the pressures around the plant.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs, reason = "each field is described in PARAMETERS")]

@@ -6,7 +6,6 @@ use crate::description::{
 use crate::orifice::{NozzleLaw, Subsonic};
 use crate::plant::Plant;
 use crate::subsonic_curves::SubsonicCurves;
-use crate::valve::ValveFunction;
 
 effect_parameters! { "effects.critical_ratio":
     REDUCTION = reduction [""] 0.001 ..= 0.5, Log 0.2, off 0.0,
@@ -63,9 +62,9 @@ impl Effect for CriticalRatio {
             (parameters.flow.critical_ratio - setting.value("reduction")).max(LEAST),
             branch,
         );
-        // The critical ratio of an on/off valve is a value of its own.
+        // A valve with a conductance has a critical ratio of its own.
         let valves = plant.valves.iter_mut();
-        for valve in valves.filter(|valve| valve.function != ValveFunction::OnOff) {
+        for valve in valves.filter(|valve| !valve.function.has_conductance()) {
             valve.nozzle = nozzle.clone();
         }
         plant.nozzle = nozzle;

@@ -30,7 +30,7 @@ pub mod supply_line_droop;
 pub mod supply_resistance;
 pub mod supply_seat_leak;
 
-pub use crate::description::{About, Effect, EffectSetting, EntryPoint, Variant};
+pub use crate::description::{About, Effect, EffectSetting, EntryPoint, OwnEffects, Variant};
 
 /// All effects of the library. They are installed in this order, independent of the order in the plant file.
 pub static LIBRARY: [&dyn Effect; 21] = [

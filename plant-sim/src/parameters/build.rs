@@ -5,7 +5,9 @@ use crate::additions::{Additions, Cavity, Growth, Tube};
 use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
-use crate::description::{EffectSetting, OnOffValveParameters, PA_PER_BAR, PlantParameters};
+use crate::description::{
+    EffectSetting, OnOffValveParameters, PA_PER_BAR, PlantParameters, ProportionalValveParameters,
+};
 use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice, Subsonic};
@@ -33,8 +35,8 @@ const HELD: (Magnet, Armature) = (
     },
 );
 
-/// Armature of an on/off valve: no force acts on it, so that it keeps the velocity that the command gives it. Its position is the open share
-/// of 1 mm.
+/// Armature of a valve without a coil: no force but its friction acts on it, so that the command gives it its velocity. Its position is the
+/// open share of 1 mm.
 const FREE: (Magnet, Armature) = (
     Magnet {
         force_constant: 0.0,
@@ -61,6 +63,31 @@ const NO_COIL: Coil = Coil {
     inductance_at_rest: 1.0,
     inductance_slope: 0.0,
 };
+
+/// Returns a valve whose opening is the open share of its conductance, given its effective area (m²) when open, the law of its flow (E63) and
+/// the viscous friction (N s/m) of its free armature.
+fn free_valve(
+    function: ValveFunction,
+    area: f64,
+    nozzle: NozzleLaw,
+    viscous_friction: f64,
+) -> Valve {
+    let (magnet, armature) = FREE;
+    // A curtain of this diameter reaches its largest area at full stroke.
+    let diameter = 4.0 * armature.stroke;
+    let bore = core::f64::consts::PI * (diameter / 2.0).powi(2);
+    Valve {
+        coil: NO_COIL,
+        magnet,
+        orifice: Orifice::new(diameter, area / bore),
+        armature: Armature {
+            viscous_friction,
+            ..armature
+        },
+        nozzle,
+        function,
+    }
+}
 
 impl PlantParameters {
     /// Returns the physics of these parameters, including effects.
@@ -91,6 +118,7 @@ impl PlantParameters {
         );
         let valves = [FILL, VENT].map(|index| match self.functions[index] {
             ValveFunction::OnOff => self.on_off_valve(index),
+            ValveFunction::Proportional => self.proportional_valve(index),
             _ => self.valve(index, &nozzle),
         });
         let [fill, vent] = &valves;
@@ -128,22 +156,32 @@ impl PlantParameters {
         [&self.on_off_fill, &self.on_off_vent][index]
     }
 
-    /// Returns an on/off valve, whose opening is the open share of its conductance (E63).
+    /// Returns the parameters of the proportional valve in the place `index`.
+    pub(crate) fn proportional(&self, index: usize) -> &ProportionalValveParameters {
+        [&self.proportional_fill, &self.proportional_vent][index]
+    }
+
     fn on_off_valve(&self, index: usize) -> Valve {
-        let on_off = self.on_off(index);
-        let (area, nozzle) = self.iso6358(on_off.conductance_dm3_per_s_bar, on_off.critical_ratio);
-        let (magnet, armature) = FREE;
-        // A curtain of this diameter reaches its largest area at full stroke.
-        let diameter = 4.0 * armature.stroke;
-        let bore = core::f64::consts::PI * (diameter / 2.0).powi(2);
-        Valve {
-            coil: NO_COIL,
-            magnet,
-            orifice: Orifice::new(diameter, area / bore),
-            armature,
-            nozzle,
-            function: ValveFunction::OnOff,
-        }
+        let OnOffValveParameters {
+            conductance_dm3_per_s_bar,
+            critical_ratio,
+            ..
+        } = *self.on_off(index);
+        let (area, nozzle) = self.iso6358(conductance_dm3_per_s_bar, critical_ratio);
+        free_valve(self.functions[index], area, nozzle, 0.0)
+    }
+
+    /// Returns a proportional valve; its friction gives it the time constant of its lag.
+    fn proportional_valve(&self, index: usize) -> Valve {
+        let ProportionalValveParameters {
+            conductance_dm3_per_s_bar,
+            critical_ratio,
+            time_constant_s,
+            ..
+        } = *self.proportional(index);
+        let (area, nozzle) = self.iso6358(conductance_dm3_per_s_bar, critical_ratio);
+        let viscous_friction = FREE.1.mass / time_constant_s;
+        free_valve(self.functions[index], area, nozzle, viscous_friction)
     }
 
     /// Returns the effective area (m²) and the law of a flow with conductance C (dm³/(s bar)) and critical ratio b (E63).

@@ -16,7 +16,10 @@ pub(super) fn inconsistency(plant: &PlantParameters) -> Option<Problem> {
     }
     for setting in &plant.effects {
         let part = Part::of_effect(setting.effect());
-        if by_id(setting.id()).is_some() && !part.is_in(plant) {
+        // The part of an effect in Rust outside of the library is not known.
+        let is_known =
+            by_id(setting.id()).is_some() || setting.effect().definition_toml().is_some();
+        if is_known && !part.is_in(plant) {
             let effect = setting.effect().about();
             return Some(Problem::NothingToActOn { effect, part });
         }

@@ -7,20 +7,18 @@ use super::parts::Part;
 use super::table::sections;
 use super::units::plausible_unit;
 use crate::description::{About, EFFECTS, ParameterSpec};
+use crate::own_effects::Reason;
+use crate::toml_file::{FileError, FileProblem, Unreadable, brief};
 
 /// All problems of one plant file.
-#[derive(Debug, Clone)]
-pub struct ParameterError {
-    file: String,
-    problems: Vec<Problem>,
-}
+pub type ParameterError = FileError<Problem>;
 
 /// One problem; lines count from 1, and 0 means that the problem has no line.
 #[derive(Debug, Clone)]
 #[allow(missing_docs, reason = "the variants' sentences name the fields")]
 pub enum Problem {
-    /// The file is not TOML.
-    Syntax { line: usize, message: String },
+    /// The file is too large or not TOML.
+    Unreadable(Unreadable),
     /// The table does not exist.
     UnknownSection { line: usize, section: String },
     /// The effect does not exist; `nearest` is the name that was probably meant.
@@ -48,7 +46,11 @@ pub enum Problem {
         key: &'static str,
         range: (f64, f64),
         about: &'static str,
+        /// Keys from which the value follows.
+        instead: Option<&'static str>,
     },
+    /// Two keys of a datasheet file give the same value.
+    GivenTwice { line: usize, key: &'static str },
     /// A value of a datasheet file is outside its range, in the unit of its key.
     ValueOutOfRange {
         line: usize,
@@ -76,6 +78,12 @@ pub enum Problem {
         found: String,
         choices: Vec<&'static str>,
     },
+    /// A value of the definition of a user's own effect is refused.
+    OwnEffect {
+        line: usize,
+        key: String,
+        reason: Reason,
+    },
     /// The plant omits the part that the parameter describes.
     AbsentPart {
         line: usize,
@@ -89,26 +97,12 @@ pub enum Problem {
     Inconsistent { key: &'static str, rule: String },
 }
 
-impl ParameterError {
-    pub(crate) fn new(file: &str, problems: Vec<Problem>) -> Self {
-        Self {
-            file: file.to_owned(),
-            problems,
-        }
-    }
-
-    /// Returns the problems, in the order of the file.
-    pub fn problems(&self) -> &[Problem] {
-        &self.problems
-    }
-}
-
 impl Problem {
     /// Returns the line in the file, from 1; `None` if the problem has no line.
     pub fn line(&self) -> Option<usize> {
         match self {
-            Self::Syntax { line, .. }
-            | Self::UnknownSection { line, .. }
+            Self::Unreadable(unreadable) => unreadable.line(),
+            Self::UnknownSection { line, .. }
             | Self::UnknownKey { line, .. }
             | Self::UnknownEffect { line, .. }
             | Self::UnknownVariant { line, .. }
@@ -116,6 +110,8 @@ impl Problem {
             | Self::WrongType { line, .. }
             | Self::OutOfRange { line, .. }
             | Self::ValueOutOfRange { line, .. }
+            | Self::GivenTwice { line, .. }
+            | Self::OwnEffect { line, .. }
             | Self::UnknownChoice { line, .. } => Some(*line).filter(|&line| line > 0),
             Self::MissingKey { .. }
             | Self::MissingValue { .. }
@@ -126,27 +122,16 @@ impl Problem {
     }
 }
 
-impl core::error::Error for ParameterError {}
-
-impl fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (n, problem) in self.problems.iter().enumerate() {
-            if n > 0 {
-                writeln!(f)?;
-            }
-            match problem.line() {
-                Some(line) => write!(f, "{}:{line}: {problem}", self.file)?,
-                None => write!(f, "{}: {problem}", self.file)?,
-            }
-        }
-        Ok(())
+impl FileProblem for Problem {
+    fn line(&self) -> Option<usize> {
+        self.line()
     }
 }
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax { message, .. } => write!(f, "not valid TOML: {message}"),
+            Self::Unreadable(unreadable) => write!(f, "{unreadable}"),
             Self::UnknownSection { section, .. } => write!(
                 f,
                 "unknown table [{section}]; a plant file has the tables {}",
@@ -198,12 +183,22 @@ impl fmt::Display for Problem {
                     None => Ok(()),
                 }
             }
-            Self::MissingValue { key, range, about } => write!(
-                f,
-                "`{key}` is missing: {about}; add it with a value from {} to {}, and its uncertainty behind it, such as `# guessed, ±25 %`",
-                brief(range.0),
-                brief(range.1)
-            ),
+            Self::MissingValue {
+                key,
+                range,
+                about,
+                instead,
+            } => {
+                let (least, most) = (brief(range.0), brief(range.1));
+                write!(
+                    f,
+                    "`{key}` is missing: {about}; add it with a value from {least} to {most}, and its uncertainty behind it, such as `# guessed, ±25 %`"
+                )?;
+                match instead {
+                    Some(keys) => write!(f, "; or give {keys}"),
+                    None => Ok(()),
+                }
+            }
             Self::ValueOutOfRange {
                 key, value, range, ..
             } => write!(
@@ -263,18 +258,20 @@ impl fmt::Display for Problem {
                 "[{EFFECTS}.{}] has nothing to act on, since this plant has no {part}; remove it",
                 effect.id
             ),
+            Self::OwnEffect { key, reason, .. } => {
+                let text = reason.to_string();
+                // A reason is a predicate of the key, or a sentence of its own.
+                let verbs = ["= ", "is ", "has ", "gives ", "shrinks "];
+                let is_predicate = verbs.iter().any(|verb| text.starts_with(verb));
+                let colon = if is_predicate { "" } else { ":" };
+                write!(f, "`{key}`{colon} {text}")
+            }
+            Self::GivenTwice { key, .. } => write!(
+                f,
+                "`{key}` gives a value that another line gives as well; remove one of them"
+            ),
             Self::Inconsistent { key, rule } => write!(f, "`{key}`: {rule}"),
         }
-    }
-}
-
-/// Returns a number with few digits.
-fn brief(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
-        format!("{rounded:e}")
-    } else {
-        format!("{rounded}")
     }
 }
 

@@ -10,6 +10,7 @@ mod datasheet;
 mod error;
 mod knowledge;
 mod names;
+mod own_effects;
 mod parts;
 mod read;
 mod table;
@@ -19,7 +20,8 @@ mod write;
 pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, Knowledge, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ParameterSpec,
-    PlantParameters, RegulatingValveParameters, Scale, SecondChamberParameters, Size,
+    PlantParameters, ProportionalValveParameters, RegulatingValveParameters, Scale,
+    SecondChamberParameters, Size,
 };
 pub use error::{ParameterError, Problem};
 pub use parts::Part;
@@ -27,8 +29,9 @@ pub use table::PARAMETERS;
 
 use crate::description::{Effect, EffectSetting};
 use crate::effects::{LIBRARY, by_id};
+use crate::toml_file::key_meant;
 use consistency::inconsistency;
-use recording::{names_meant, nearest_name};
+use recording::names_meant;
 use units::{converted, in_other_unit};
 
 /// Plant file shipped with the crate: the thesis model.
@@ -99,22 +102,38 @@ impl PlantParameters {
     /// Returns every parameter that this plant has or may have: of its parts, of the effects that can act on them, and
     /// of user-defined effects.
     pub fn specs(&self) -> impl Iterator<Item = &'static ParameterSpec> {
-        let own = self
+        let candidates = self
+            .own
+            .iter()
+            .flat_map(|effect| effect.about().parameters());
+        let others = self
             .effects
             .iter()
-            .filter(|setting| by_id(setting.id()).is_none())
+            .filter(|setting| self.candidate(setting.id()).is_none())
             .flat_map(|setting| setting.parameters().iter().copied());
-        let all = PARAMETERS.iter().copied().chain(own);
+        let all = PARAMETERS.iter().copied().chain(candidates).chain(others);
         all.filter(|spec| Part::of_parameter(spec).is_in(self))
     }
 
-    /// Adds the effect that `spec` belongs to, in the first variant that has it, if the library contains it.
+    /// Returns the effects that the plant may have: those of the library, and user-defined ones.
+    pub fn candidates(&self) -> impl Iterator<Item = &'static dyn Effect> + Clone + '_ {
+        LIBRARY.into_iter().chain(self.own.iter())
+    }
+
+    /// Returns the effect with this id that the plant may have.
+    pub fn candidate(&self, id: &str) -> Option<&'static dyn Effect> {
+        by_id(id).or_else(|| self.own.by_id(id))
+    }
+
+    /// Adds the effect that `spec` belongs to, in the first variant that has it, if it is a candidate.
     fn add_effect_of(&mut self, spec: &'static ParameterSpec) {
         let Some(id) = spec.effect_id() else { return };
         if self.effect(id).is_some() {
             return;
         }
-        let Some(effect) = by_id(id) else { return };
+        let Some(effect) = self.candidate(id) else {
+            return;
+        };
         let mut variants = effect.about().variants.iter();
         if let Some(variant) =
             variants.find(|variant| variant.parameters.iter().any(|one| one.key == spec.key))
@@ -126,7 +145,7 @@ impl PlantParameters {
 
     /// Returns the reason why `name` cannot be set to `value`.
     fn why_not(&self, name: &str, value: f64) -> Problem {
-        match ParameterSpec::by_name(name) {
+        match self.any_spec(name) {
             Some(spec) => Problem::AbsentPart { line: 0, spec },
             None => Problem::UnknownKey {
                 line: 0,
@@ -137,15 +156,22 @@ impl PlantParameters {
         }
     }
 
-    /// Returns the parameter that `name` probably means: one that begins with it, otherwise the nearest.
+    /// Returns the parameter that `name` probably means.
     fn similar_parameter(&self, name: &str) -> Option<String> {
         let names: Vec<String> = self.specs().map(ParameterSpec::name).collect();
-        let begun = names.iter().find(|one| one.starts_with(name));
-        let nearest = || nearest_name(name, names.iter().map(String::as_str));
-        begun
-            .map(String::as_str)
-            .or_else(nearest)
-            .map(str::to_owned)
+        key_meant(name, names.iter().map(String::as_str)).map(str::to_owned)
+    }
+
+    /// Returns the parameter `section.key` of a plant file with the user-defined effects of this plant, whether or not
+    /// the plant has its part.
+    pub fn any_spec(&self, name: &str) -> Option<&'static ParameterSpec> {
+        ParameterSpec::by_name(name).or_else(|| {
+            let effect = |effect: &'static dyn Effect| effect.about().parameters();
+            self.own
+                .iter()
+                .flat_map(effect)
+                .find(|spec| spec.name() == name)
+        })
     }
 
     fn spec(&self, name: &str) -> Option<&'static ParameterSpec> {
@@ -194,9 +220,11 @@ impl PlantParameters {
     }
 }
 
-/// Returns the ids of effects of the library that `word` may mean; none if it resembles no id.
-pub fn effects_meant(word: &str) -> Vec<&'static str> {
-    names_meant(word, LIBRARY.iter().map(|effect| effect.about().id))
+impl PlantParameters {
+    /// Returns the ids of the candidates that `word` may mean; none if it resembles no id.
+    pub fn effects_meant(&self, word: &str) -> Vec<&'static str> {
+        names_meant(word, self.candidates().map(|effect| effect.about().id))
+    }
 }
 
 /// Returns the text to write for a `section.key` whose key has another unit.

@@ -25,6 +25,10 @@ pub enum Part {
     ArmatureUnderPressure,
     /// On/off valve in the place of one valve.
     OnOffValve(usize),
+    /// Proportional valve in the place of one valve.
+    ProportionalValve(usize),
+    /// Output stage that delays a command: that of a coil or of a proportional valve.
+    DelayedOutput,
     /// Orifice of either valve that has a diameter.
     Orifice,
     /// Orifice of one valve that has a diameter.
@@ -49,13 +53,18 @@ impl Part {
         let any = |has: fn(ValveFunction) -> bool| plant.functions.into_iter().any(has);
         let has_chamber = plant.chamber.volume_m3 > 0.0;
         let has_second = has_chamber && plant.second_chamber.volume_m3 > 0.0;
-        let is_on_off = |valve: usize| plant.functions[valve] == ValveFunction::OnOff;
+        let is = |function: ValveFunction, valve: usize| plant.functions[valve] == function;
+        let has_diameter = |valve: usize| !plant.functions[valve].has_conductance();
         match self {
             Self::Commanded => any(ValveFunction::is_commanded),
-            Self::OnOffValve(valve) => is_on_off(valve),
-            Self::Orifice => has_chamber && !(is_on_off(FILL) && is_on_off(VENT)),
+            Self::OnOffValve(valve) => is(ValveFunction::OnOff, valve),
+            Self::ProportionalValve(valve) => is(ValveFunction::Proportional, valve),
+            Self::DelayedOutput => {
+                any(|function| function.has_coil() || function == ValveFunction::Proportional)
+            }
+            Self::Orifice => has_chamber && (has_diameter(FILL) || has_diameter(VENT)),
             Self::OrificeOf(valve) => {
-                has_chamber && plant.functions[valve].has_orifice() && !is_on_off(valve)
+                has_chamber && plant.functions[valve].has_orifice() && has_diameter(valve)
             }
             Self::Coil => any(ValveFunction::has_coil),
             Self::Armature => any(ValveFunction::has_armature),
@@ -96,9 +105,12 @@ impl Part {
         match (section, key) {
             ("coil", "inductance_open_h") => Self::Armature,
             ("ecu", "sample_time_s" | "pwm_frequency_hz") => Self::Commanded,
+            ("ecu", "command_delay_s") => Self::DelayedOutput,
             ("ecu" | "coil", _) => Self::Coil,
             ("on_off_fill", _) => Self::OnOffValve(FILL),
             ("on_off_vent", _) => Self::OnOffValve(VENT),
+            ("proportional_fill", _) => Self::ProportionalValve(FILL),
+            ("proportional_vent", _) => Self::ProportionalValve(VENT),
             ("armature", "preload_fill_n") => Self::ArmatureOf(FILL),
             ("armature", "preload_vent_n") => Self::ArmatureOf(VENT),
             ("armature", "pressure_force_diameter_m") => Self::ArmatureUnderPressure,
@@ -128,7 +140,9 @@ impl Part {
             format!("{} in [{VALVES}]", keys.join(" and "))
         };
         match self {
-            Self::Coil | Self::Commanded => Some(words(&VALVE_KEYS, "\"absent\"")),
+            Self::Coil | Self::Commanded | Self::DelayedOutput => {
+                Some(words(&VALVE_KEYS, "\"absent\""))
+            }
             Self::Orifice => Some(words(&VALVE_KEYS, "\"on_off\"")),
             Self::Armature => Some(words(&VALVE_KEYS, "\"blocked\"")),
             Self::ArmatureOf(valve) => Some(words(&VALVE_KEYS[valve..=valve], "\"always_open\"")),
@@ -141,7 +155,7 @@ impl Part {
             Self::SecondChamber | Self::SingleChamber => {
                 Some(format!("no table [{SECOND_CHAMBER}]"))
             }
-            Self::OnOffValve(_) | Self::Any => None,
+            Self::OnOffValve(_) | Self::ProportionalValve(_) | Self::Any => None,
         }
     }
 }
@@ -172,6 +186,10 @@ impl fmt::Display for Part {
             }
             Self::ArmatureUnderPressure => f.write_str("armature under a chamber's pressure"),
             Self::OnOffValve(valve) => write!(f, "on/off {} valve", VALVE_KEYS[*valve]),
+            Self::ProportionalValve(valve) => {
+                write!(f, "proportional {} valve", VALVE_KEYS[*valve])
+            }
+            Self::DelayedOutput => f.write_str("coil or proportional valve"),
             Self::Orifice => f.write_str("orifice with a diameter"),
             Self::Flow => f.write_str("valve or orifice that air flows through"),
             Self::FlowThrough(valve) | Self::OrificeOf(valve) => {

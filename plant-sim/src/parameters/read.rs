@@ -1,9 +1,6 @@
 //! Reader of plant files: it finds every problem before it uses anything.
 
-use std::ops::Range;
-
-use recording::nearest_name;
-use toml_edit::{Document, Item, TableLike};
+use toml_edit::{Item, TableLike};
 
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
@@ -11,24 +8,21 @@ use super::knowledge::{self, FORMS, number};
 use super::names::{
     CHAMBER, FUNCTIONS, OMITTED_IF_0, REGULATING_VALVE, SECOND_CHAMBER, VALVE_KEYS, VALVES, VARIANT,
 };
+use super::own_effects;
 use super::parts::Part;
 use super::table::PARAMETERS;
 use super::units::{converted, in_other_unit};
 use crate::description::{
     EFFECTS, Effect, EffectSetting, ParameterSpec, PlantParameters, RegulatingValveParameters,
 };
-use crate::effects::LIBRARY;
-
-/// Size beyond which a file is certainly not a plant file (bytes).
-const MAX_BYTES: usize = 1 << 20;
+use crate::own_effects::{OWN, OWN_EFFECTS};
+use crate::toml_file::{TomlFile, key_meant, shown};
 
 /// Key of the file with its line.
 type Present = (&'static ParameterSpec, usize);
 
 struct Reader<'a> {
-    text: &'a str,
-    /// Effects that the plant may have: those of the library, and user-defined ones.
-    library: Vec<&'static dyn Effect>,
+    file: &'a TomlFile<'a>,
     problems: Vec<Problem>,
     parameters: PlantParameters,
 }
@@ -39,32 +33,19 @@ pub(super) fn read(
     own: &[&'static dyn Effect],
 ) -> Result<PlantParameters, ParameterError> {
     let fail = |problems| Err(ParameterError::new(name, problems));
-    if text.len() > MAX_BYTES {
-        let message = format!(
-            "{} bytes, more than the {MAX_BYTES} of any plant file",
-            text.len()
-        );
-        return fail(vec![Problem::Syntax { line: 0, message }]);
-    }
-    let document = match Document::parse(text) {
-        Ok(document) => document,
-        Err(error) => {
-            return fail(vec![Problem::Syntax {
-                line: line_of(text, error.span()),
-                message: error.message().trim().replace('\n', ", "),
-            }]);
-        }
+    let file = match TomlFile::parse(text) {
+        Ok(file) => file,
+        Err(unreadable) => return fail(vec![Problem::Unreadable(unreadable)]),
     };
     let mut reader = Reader {
-        text,
-        library: LIBRARY.iter().chain(own).copied().collect(),
+        file: &file,
         problems: Vec::new(),
         parameters: PlantParameters::blank(),
     };
-    reader.root(&document);
-    reader
-        .problems
-        .sort_by_key(|problem| problem.line().unwrap_or(usize::MAX));
+    for effect in own {
+        reader.parameters.own.add(*effect);
+    }
+    reader.root();
     if reader.problems.is_empty() {
         reader.problems.extend(inconsistency(&reader.parameters));
     }
@@ -76,8 +57,8 @@ pub(super) fn read(
 }
 
 impl Reader<'_> {
-    fn root(&mut self, document: &Document<&str>) {
-        let root = document.as_table();
+    fn root(&mut self) {
+        let root = self.file.root();
         let mut present = Vec::new();
         if root.contains_key(REGULATING_VALVE) {
             self.parameters.regulating_valve = Some(RegulatingValveParameters::default());
@@ -89,8 +70,14 @@ impl Reader<'_> {
         if root.contains_key(SECOND_CHAMBER) {
             self.parameters.second_chamber.volume_m3 = 1.0;
         }
+        // The definitions come first, because a table of an effect may precede its definition.
+        if let Some(table) = root.get(OWN_EFFECTS).and_then(Item::as_table_like) {
+            for effect in own_effects::read(self.file, table, &mut self.problems) {
+                self.parameters.own.add(effect);
+            }
+        }
         for (section, item) in root.iter() {
-            let line = self.line(root.key(section).and_then(toml_edit::Key::span));
+            let line = self.file.line_of_key(root, section);
             let Some(table) = item.as_table_like() else {
                 self.problems.push(Problem::UnknownSection {
                     line,
@@ -101,8 +88,10 @@ impl Reader<'_> {
             let specs = || PARAMETERS.iter().filter(|spec| spec.section == section);
             if section == VALVES {
                 self.valves(table);
+            } else if section == OWN_EFFECTS {
+                // Read above.
             } else if section == EFFECTS {
-                self.effects(table);
+                self.effects(table, "");
             } else if specs().next().is_some() {
                 let specs: Vec<_> = specs().copied().collect();
                 self.section(section, table, &specs, &mut present);
@@ -154,7 +143,7 @@ impl Reader<'_> {
             if key == VARIANT && section.starts_with(EFFECTS) {
                 continue;
             }
-            let line = self.line(table.key(key).and_then(toml_edit::Key::span));
+            let line = self.file.line_of_key(table, key);
             let name = format!("{section}.{key}");
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
                 let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
@@ -166,7 +155,7 @@ impl Reader<'_> {
                     }
                 });
                 let suggestion = suggestion.or_else(|| {
-                    nearest_name(key, specs.iter().map(|spec| spec.key)).map(str::to_owned)
+                    key_meant(key, specs.iter().map(|spec| spec.key)).map(str::to_owned)
                 });
                 self.problems.push(Problem::UnknownKey {
                     line,
@@ -196,24 +185,35 @@ impl Reader<'_> {
             if let Some(knowledge) = knowledge {
                 self.parameters.knowledge.insert(name.clone(), knowledge);
             }
-            if let Some(comment) = comment_behind(self.text, item) {
-                self.parameters.provenance.insert(name, comment);
+            if let Some(comment) = self.file.comment_behind(item) {
+                self.parameters.provenance.insert(name, comment.to_owned());
             }
         }
     }
 
-    /// Reads `[effects]`: one table per effect, with `variant` and the variant's parameters in each.
-    fn effects(&mut self, effects: &dyn TableLike) {
-        for (id, item) in effects.iter() {
-            let line = self.line(effects.key(id).and_then(toml_edit::Key::span));
-            let known = |effect: &&&'static dyn Effect| effect.about().id == id;
-            let Some(&effect) = self.library.iter().find(known) else {
-                let ids = self.library.iter().map(|effect| effect.about().id);
-                self.problems.push(Problem::UnknownEffect {
-                    line,
-                    id: id.to_owned(),
-                    nearest: nearest_name(id, ids),
-                });
+    /// Reads `[effects]`: one table per effect, with `variant` and the variant's parameters in each. The ids begin with
+    /// `prefix`: `own.` in the table `[effects.own]`.
+    fn effects(&mut self, effects: &dyn TableLike, prefix: &str) {
+        for (name, item) in effects.iter() {
+            let line = self.file.line_of_key(effects, name);
+            let id = &format!("{prefix}{name}");
+            if id == OWN
+                && let Some(table) = item.as_table_like()
+            {
+                self.effects(table, &format!("{OWN}."));
+                continue;
+            }
+            let Some(effect) = self.parameters.candidate(id) else {
+                // A definition that was refused is no unknown effect as well.
+                if !self.is_refused(id) {
+                    let ids: Vec<_> = self.parameters.candidates().collect();
+                    let ids = ids.iter().map(|effect| effect.about().id);
+                    self.problems.push(Problem::UnknownEffect {
+                        line,
+                        id: id.to_owned(),
+                        nearest: key_meant(id, ids),
+                    });
+                }
                 continue;
             };
             let Some(table) = item.as_table_like() else {
@@ -229,17 +229,26 @@ impl Reader<'_> {
         }
     }
 
+    /// Returns whether the file defines the effect `id`.
+    fn is_refused(&self, id: &str) -> bool {
+        let own = self.file.root().get(OWN_EFFECTS);
+        let name = id.split_once('.').map(|(_, name)| name);
+        own.and_then(Item::as_table_like)
+            .zip(name)
+            .is_some_and(|(own, name)| own.contains_key(name))
+    }
+
     fn effect(&mut self, effect: &'static dyn Effect, table: &dyn TableLike) {
         let about = effect.about();
         let name = format!("{EFFECTS}.{}", about.id);
-        let line = self.line(table.key(VARIANT).and_then(toml_edit::Key::span));
+        let line = self.file.line_of_key(table, VARIANT);
         let variant = match table.get(VARIANT).map(|item| (item, item.as_str())) {
             None => Some(&about.variants[0]),
             Some((_, Some(word))) => about.variant(word).or_else(|| {
                 self.problems.push(Problem::UnknownVariant {
                     line,
                     effect: about,
-                    found: quotable(word),
+                    found: shown(word),
                 });
                 None
             }),
@@ -268,7 +277,7 @@ impl Reader<'_> {
 
     fn valves(&mut self, table: &dyn TableLike) {
         for (key, item) in table.iter() {
-            let line = self.line(table.key(key).and_then(toml_edit::Key::span));
+            let line = self.file.line_of_key(table, key);
             let name = format!("{VALVES}.{key}");
             let Some(index) = VALVE_KEYS.iter().position(|valve| *valve == key) else {
                 self.problems.push(Problem::UnknownKey {
@@ -292,38 +301,10 @@ impl Reader<'_> {
                 None => self.problems.push(Problem::UnknownChoice {
                     line,
                     key: name,
-                    found: quotable(word),
+                    found: shown(word),
                     choices: FUNCTIONS.iter().map(|(known, _)| *known).collect(),
                 }),
             }
         }
     }
-
-    fn line(&self, span: Option<Range<usize>>) -> usize {
-        line_of(self.text, span)
-    }
-}
-
-/// Returns text of the file in a form that a message may show.
-fn quotable(text: &str) -> String {
-    text.chars()
-        .take(80)
-        .flat_map(char::escape_default)
-        .collect()
-}
-
-/// Returns the comment after a value on its line: the provenance of the value.
-pub(super) fn comment_behind(text: &str, item: &Item) -> Option<String> {
-    let rest = text.get(item.span()?.end..)?.lines().next()?;
-    let comment = rest.trim_start().strip_prefix('#')?.trim();
-    (!comment.is_empty()).then(|| comment.to_owned())
-}
-
-pub(super) fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
-    span.map_or(0, |span| {
-        1 + text.as_bytes()[..span.start.min(text.len())]
-            .iter()
-            .filter(|byte| **byte == b'\n')
-            .count()
-    })
 }

@@ -3,6 +3,7 @@
 use super::names::{REGULATING_VALVE, VALVES};
 use crate::description::{EFFECTS, ParameterSpec, PlantParameters};
 use crate::effects::LIBRARY;
+use crate::own_effects::OWN_EFFECTS;
 
 /// Defines the list `$list`, and access to the fields that its rows describe: `required` tables always exist, an
 /// `optional` one is an `Option`.
@@ -86,6 +87,20 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     on_off_vent.closing_delay_s ["s"] 0.0 ..= 1.0, "time for which a pause must last until the vent valve begins to close (equation E64)";
     on_off_vent.opening_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve opens, linearly, from closed to fully open (equation E64)";
     on_off_vent.closing_ramp_s ["s"] 1e-5 ..= 1.0, "time in which the vent valve closes, linearly, from fully open to closed (equation E64)";
+    proportional_fill.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the fully open fill valve (ISO 6358, equation E63)";
+    proportional_fill.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the fill valve (ISO 6358, equation E63)";
+    proportional_fill.time_constant_s ["s"] 1e-4 ..= 10.0, "time constant with which the fill valve follows its command (equation E67)";
+    proportional_fill.opens_at_pct ["%"] 0.0 ..= 90.0, "command above which the fill valve opens; 100 % opens it fully (equation E67); may be absent and is 0 then";
+    proportional_fill.above_line_25_pct ["%"] -25.0 ..= 75.0, "open share above the straight characteristic at a quarter of the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
+    proportional_fill.above_line_50_pct ["%"] -50.0 ..= 50.0, "open share above the straight characteristic at half the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
+    proportional_fill.above_line_75_pct ["%"] -75.0 ..= 25.0, "open share above the straight characteristic at three quarters of the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
+    proportional_vent.conductance_dm3_per_s_bar ["dm3/(s bar)"] 1e-4 ..= 100.0, "sonic conductance C of the fully open vent valve (ISO 6358, equation E63)";
+    proportional_vent.critical_ratio [""] 0.01 ..= 0.6, "critical pressure ratio b of the vent valve (ISO 6358, equation E63)";
+    proportional_vent.time_constant_s ["s"] 1e-4 ..= 10.0, "time constant with which the vent valve follows its command (equation E67)";
+    proportional_vent.opens_at_pct ["%"] 0.0 ..= 90.0, "command above which the vent valve opens; 100 % opens it fully (equation E67); may be absent and is 0 then";
+    proportional_vent.above_line_25_pct ["%"] -25.0 ..= 75.0, "open share above the straight characteristic at a quarter of the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
+    proportional_vent.above_line_50_pct ["%"] -50.0 ..= 50.0, "open share above the straight characteristic at half the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
+    proportional_vent.above_line_75_pct ["%"] -75.0 ..= 25.0, "open share above the straight characteristic at three quarters of the way from opens_at_pct to 100 % (equation E67); may be absent and is 0 then";
     gas.gas_constant_j_per_kg_k ["J/(kg K)"] 50.0 ..= 5000.0, "gas constant (equation 3.17); air 287.05";
     gas.heat_capacity_ratio [""] 1.05 ..= 1.7, "ratio of heat capacities k (equation 3.19); air 1.4";
     gas.temperature_k ["K"] 200.0 ..= 500.0, "gas temperature, constant (equation 3.24)";
@@ -161,5 +176,6 @@ pub(super) fn sections() -> Vec<String> {
         }
     }
     sections.push(format!("[{VALVES}]"));
+    sections.push(format!("[{OWN_EFFECTS}.*]"));
     sections
 }

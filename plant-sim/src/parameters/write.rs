@@ -30,6 +30,13 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         let word = FUNCTIONS.iter().find(|(_, known)| *known == function);
         let _ = writeln!(text, "{key} = \"{}\"", word.map_or("", |(word, _)| word));
     }
+    for definition in parameters
+        .own
+        .iter()
+        .filter_map(|one| one.definition_toml())
+    {
+        let _ = write!(text, "\n{definition}");
+    }
     for setting in &parameters.effects {
         text += &effect(parameters, setting);
     }

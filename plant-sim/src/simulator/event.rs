@@ -132,7 +132,11 @@ impl<P: Physics> Solver<P> {
                 valve.motion = Motion::Stuck;
             }
             Event::Reaches(index, position) => {
-                let stroke = self.physics.plant().valves[index].armature.stroke;
+                let parameters = &self.physics.plant().valves[index];
+                let stroke = parameters.armature.stroke;
+                if parameters.lift(position) <= 0.0 {
+                    self.lifts[index].land();
+                }
                 let valve = &mut self.state.valves[index];
                 valve.x = position;
                 let stop = if position == 0.0 {

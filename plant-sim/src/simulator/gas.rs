@@ -39,6 +39,54 @@ fn reservoir(plant: &Plant, now: Option<&Now>) -> f64 {
     plant.supply_pressure + more
 }
 
+/// Returns the area of a valve with its user-defined factors (m²).
+#[inline]
+fn scaled(plant: &Plant, index: usize, area: f64, now: Option<&Now>) -> f64 {
+    now.map_or(area, |now| {
+        area * hooks::product(&plant.additions.hooks.area_factor[index], now)
+    })
+}
+
+/// Returns the change of the chamber's volume by user-defined factors at an instant.
+fn own_volume(plant: &Plant, now: Option<&Now>) -> Volume {
+    let laws = &plant.additions.hooks.volume_factor;
+    let Some(now) = now.filter(|_| !laws.is_empty()) else {
+        return Volume::NONE;
+    };
+    let factor = |pressure: f64, time: f64| {
+        let now = Now {
+            pressure,
+            time,
+            ..*now
+        };
+        hooks::product(laws, &now)
+    };
+    let size = plant.chamber.volume;
+    let (pressure, time) = (now.pressure, now.time);
+    let step = VOLUME_PRESSURE_STEP;
+    let by_pressure = factor(pressure + step, time) - factor(pressure - step, time);
+    let by_time =
+        factor(pressure, time + VOLUME_TIME_STEP) - factor(pressure, time - VOLUME_TIME_STEP);
+    let now = factor(pressure, time);
+    let slope = by_pressure / (2.0 * step);
+    // A chamber whose p V falls with the pressure has no stable state: the simulation is aborted.
+    let is_possible = now + pressure * slope > 0.0;
+    Volume {
+        size: if is_possible {
+            size * (now - 1.0)
+        } else {
+            f64::NAN
+        },
+        compliance: size * slope,
+        growth: size * by_time / (2.0 * VOLUME_TIME_STEP),
+    }
+}
+
+/// Steps of the central differences of a user-defined volume: pressure (Pa) and time (s). The rounding of a factor, 1e-16,
+/// over a step is far below the resolution of the solver, and no bench shows a kink of such a size.
+const VOLUME_PRESSURE_STEP: f64 = 10.0;
+const VOLUME_TIME_STEP: f64 = 1e-5;
+
 /// Returns the effective area of a valve of `area` (m²) together with an orifice that forms one opening with it (m²).
 fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
     let Some(orifice) = plant.additions.combined[index] else {
@@ -157,6 +205,7 @@ pub(super) fn pressure_drop(
     extra: &[f64],
     now: Option<&Now>,
 ) -> f64 {
+    let area = scaled(plant, index, area, now);
     let (upstream, downstream) = if index == FILL {
         (source(plant, layout, extra, now), pressure)
     } else {
@@ -169,7 +218,7 @@ pub(super) fn pressure_drop(
 }
 
 /// Returns the volume of the gas while the pressure rises or falls.
-fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
+fn volume(plant: &Plant, (swept, pressure): (f64, f64), rises: bool, now: Option<&Now>) -> Volume {
     let additions = &plant.additions;
     let swept = additions.plunger.map_or(Volume::NONE, |plunger| {
         plunger.volume(swept, pressure, rises)
@@ -177,10 +226,11 @@ fn volume(plant: &Plant, swept: f64, pressure: f64, rises: bool) -> Volume {
     let grown = additions
         .growth
         .map_or(Volume::NONE, |growth| growth.volume(pressure));
+    let own = own_volume(plant, now);
     Volume {
-        size: plant.chamber.volume + swept.size + grown.size,
-        compliance: swept.compliance + grown.compliance,
-        growth: swept.growth,
+        size: plant.chamber.volume + swept.size + grown.size + own.size,
+        compliance: swept.compliance + grown.compliance + own.compliance,
+        growth: swept.growth + own.growth,
     }
 }
 
@@ -272,6 +322,7 @@ pub(super) fn rates(
 ) -> GasNow {
     let additions = &plant.additions;
     let nozzle = &plant.nozzle;
+    let areas = [FILL, VENT].map(|index| scaled(plant, index, areas[index], now));
     let plain = plant.chamber.pressure_per_mass;
     let source = source(plant, layout, extra, now);
     let swept = layout.plunger.map_or(swept, |plunger| extra[plunger]);
@@ -342,7 +393,7 @@ pub(super) fn rates(
             let balance = Balance {
                 inflow,
                 outflow,
-                volume: volume(plant, swept, pressure, power > 0.0),
+                volume: volume(plant, (swept, pressure), power > 0.0, now),
             };
             let [rate, temperature_rate, wall_rate] =
                 heat.rates(&balance, power, pressure, temperature, wall);
@@ -353,7 +404,7 @@ pub(super) fn rates(
             rate
         }
         _ => {
-            let volume = volume(plant, swept, pressure, inflow > outflow);
+            let volume = volume(plant, (swept, pressure), inflow > outflow, now);
             let stretched = (volume.size + pressure * volume.compliance) / plant.chamber.volume;
             let thinned = pressure * volume.growth / plant.chamber.volume;
             (plain * (inflow - outflow) - thinned) / stretched

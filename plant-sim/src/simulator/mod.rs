@@ -21,6 +21,7 @@ mod extended;
 mod flux;
 mod gas;
 mod layout;
+mod lifts;
 mod physics;
 mod sensor;
 mod smooth;
@@ -37,6 +38,7 @@ use crate::ecu_output::{Command, EcuOutput};
 use crate::on_off_valve::Switching;
 use crate::parameters::PlantParameters;
 use crate::plant::{FILL, Plant, PlantState, VENT};
+use crate::proportional_valve::Positioning;
 use crate::valve::{Motion, ValveFunction};
 pub use extended::EffectState;
 use extended::Extended;
@@ -94,6 +96,8 @@ pub struct Simulator {
     ecu_output: EcuOutput,
     /// Fill and vent valve, where they are on/off valves.
     switching: [Option<Switching>; 2],
+    /// Positioning of the proportional valves.
+    positioning: [Option<Positioning>; 2],
     supply_voltage: f64,
     /// Gas temperature of the plant file (K).
     gas_temperature: f64,
@@ -143,6 +147,10 @@ impl Simulator {
             switching: [FILL, VENT].map(|valve| {
                 let is_on_off = parameters.functions[valve] == ValveFunction::OnOff;
                 is_on_off.then(|| Switching::new(parameters.on_off(valve)))
+            }),
+            positioning: [FILL, VENT].map(|valve| {
+                let is_proportional = parameters.functions[valve] == ValveFunction::Proportional;
+                is_proportional.then(|| Positioning::new(parameters.proportional(valve)))
             }),
             supply_voltage: parameters.ecu.supply_voltage_v,
             gas_temperature: parameters.gas.temperature_k,
@@ -207,6 +215,12 @@ impl Simulator {
     /// if that is past as well. Commands must be given in the order of their instants.
     pub fn command_at(&mut self, instant_ns: u64, command: Command) {
         self.ecu_output.command(instant_ns, command);
+    }
+
+    /// Returns the numbers of lifts of the fill and the vent valve since the start: departures of the armature from its
+    /// seat by more than a hundredth of the stroke, of which each bounce is one.
+    pub fn lifts(&self) -> [u64; 2] {
+        either!(&self.engine, solver => solver.lifts.map(lifts::Lifts::count))
     }
 
     /// Sets the supply voltage at the ECU (V) from now on.
@@ -336,7 +350,9 @@ impl Simulator {
     }
 
     fn apply_outputs(&mut self, high: [bool; 2]) {
-        let coils = [FILL, VENT].map(|valve| high[valve] && self.switching[valve].is_none());
+        let coils = [FILL, VENT].map(|valve| {
+            high[valve] && self.switching[valve].is_none() && self.positioning[valve].is_none()
+        });
         either!(&mut self.engine, solver => drive(solver, coils, self.supply_voltage));
         for (valve, high) in high.into_iter().enumerate() {
             let switching = self.switching[valve].as_mut();
@@ -344,13 +360,21 @@ impl Simulator {
                 either!(&mut self.engine, solver => turn(solver, valve, velocity));
             }
         }
+        for (valve, command_pct) in self.ecu_output.in_force_pct().into_iter().enumerate() {
+            let share = self.state().valves[valve].x / self.plant().valves[valve].armature.stroke;
+            let positioning = self.positioning[valve].as_mut();
+            if let Some(velocity) = positioning.and_then(|one| one.update(command_pct, share)) {
+                either!(&mut self.engine, solver => turn(solver, valve, velocity));
+            }
+        }
         if let Engine::Extended(solver) = &mut self.engine {
+            solver.physics.set_duty_pct(self.ecu_output.in_force_pct());
             solver.physics.switched(&mut solver.state);
         }
     }
 }
 
-/// Sets an on/off valve into motion with `velocity`, in its whole way per second.
+/// Sets a valve without a coil into motion with `velocity`, in its whole way per second.
 fn turn<P: Physics>(solver: &mut Solver<P>, valve: usize, velocity: f64) {
     let stroke = solver.physics.plant().valves[valve].armature.stroke;
     let state = &mut solver.state.valves[valve];

@@ -1,5 +1,6 @@
 //! Solver of the plant through an interval without a change of the outputs.
 
+use super::lifts::Lifts;
 use super::physics::{FEW, MANY, Physics, Width};
 use super::smooth::Smooth;
 use super::span::{Span, first_of};
@@ -71,6 +72,8 @@ pub(super) struct Solver<P> {
     pub(super) state: PlantState,
     /// ∫ i dt since the last sample (A s).
     pub(super) charge: [f64; 2],
+    /// Lifts of both valves since the start.
+    pub(super) lifts: [Lifts; 2],
     pub(super) statistics: Statistics,
     /// Work at which the simulation is aborted.
     pub(super) work_limit: u64,
@@ -89,6 +92,7 @@ impl<P: Physics> Solver<P> {
     pub(super) fn new(physics: P, tolerance: Tolerance) -> Self {
         Self {
             state: physics.plant().rest_state(),
+            lifts: physics.plant().valves.each_ref().map(Lifts::at_rest),
             physics,
             charge: [0.0; 2],
             statistics: Statistics::default(),
@@ -416,6 +420,10 @@ impl<P: Physics> Solver<P> {
         currents: &[RestingCurrent; 2],
     ) {
         self.state.pressure = end[0];
+        for (slot, &index) in smooth.live.iter().enumerate() {
+            let valve = &self.physics.plant().valves[index];
+            self.lifts[index].follow(valve, (span, slot), (taken, end));
+        }
         for index in [FILL, VENT] {
             if !smooth.live.contains(&index) {
                 self.settle_current(index, &currents[index], taken);

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use super::Decimal;
-use super::encoding::Encoding;
+use super::encoding::{Encoding, to_line_feeds};
 use super::error::{Excerpt, Located, Place};
 use super::number::{Evidence, evidence};
 use super::problem::Problem;
@@ -54,6 +54,8 @@ pub struct Dialect {
     pub units_row: bool,
     /// Encoding of the text.
     pub encoding: Encoding,
+    /// Whether each line ends with a carriage return alone.
+    pub carriage_returns: bool,
     /// Whether the file begins with the UTF-8 byte order mark.
     pub byte_order_mark: bool,
 }
@@ -80,6 +82,9 @@ impl fmt::Display for Dialect {
         if self.byte_order_mark {
             f.write_str(", byte order mark")?;
         }
+        if self.carriage_returns {
+            f.write_str(", lines end with carriage returns")?;
+        }
         if self.encoding != Encoding::Utf8 {
             write!(f, ", {}", self.encoding)?;
         }
@@ -87,9 +92,17 @@ impl fmt::Display for Dialect {
     }
 }
 
-/// Returns the encoding of a file, and its head as UTF-8; refuses one that is no text with line feeds, judged by its
-/// head.
-pub(super) fn check_encoding(head: &[u8]) -> Result<(Encoding, Cow<'_, [u8]>), Located> {
+/// Text of the head of a file.
+pub(super) struct HeadText<'a> {
+    pub(super) encoding: Encoding,
+    /// Whether each line ends with a carriage return alone.
+    pub(super) carriage_returns: bool,
+    /// Head as UTF-8 with line feeds.
+    pub(super) text: Cow<'a, [u8]>,
+}
+
+/// Returns the text of a head; refuses one that is no text.
+pub(super) fn check_encoding(head: &[u8]) -> Result<HeadText<'_>, Located> {
     let refused = |guess| {
         let problem = Problem::Encoding {
             guess,
@@ -112,10 +125,20 @@ pub(super) fn check_encoding(head: &[u8]) -> Result<(Encoding, Cow<'_, [u8]>), L
         return refused("binary data (a zero byte)");
     }
     // The line feed of a carriage return at the end may be beyond the head.
-    if memchr::memchr(b'\n', &text).is_none() && before.contains(&b'\r') {
-        return Err((Place::line(1), Problem::LineEnd));
-    }
-    Ok((encoding, text))
+    let carriage_returns = memchr::memchr(b'\n', &text).is_none() && before.contains(&b'\r');
+    let text = match carriage_returns {
+        true => {
+            let mut text = text.into_owned();
+            to_line_feeds(&mut text);
+            Cow::Owned(text)
+        }
+        false => text,
+    };
+    Ok(HeadText {
+        encoding,
+        carriage_returns,
+        text,
+    })
 }
 
 /// Returns the delimiter: the first of tab, semicolon and comma that occurs outside quotes in the first record.

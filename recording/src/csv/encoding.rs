@@ -26,7 +26,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// Returns the encoding of a text that begins with `head`.
-    pub(super) fn of_head(head: &[u8]) -> Self {
+    pub fn of_head(head: &[u8]) -> Self {
         match head {
             [0xff, 0xfe, ..] | [_, 0, _, 0, ..] => return Self::Utf16LittleEndian,
             [0xfe, 0xff, ..] | [0, _, 0, _, ..] => return Self::Utf16BigEndian,
@@ -52,7 +52,7 @@ impl Encoding {
     }
 
     /// Returns the head as UTF-8; a character that is cut at its end is left out.
-    pub(super) fn decoded(self, mut head: &[u8]) -> Cow<'_, [u8]> {
+    pub fn decoded(self, mut head: &[u8]) -> Cow<'_, [u8]> {
         if self == Self::Utf8 {
             return Cow::Borrowed(head);
         }
@@ -88,6 +88,8 @@ fn is_windows_1252(head: &[u8]) -> bool {
 /// Conversion of an input into UTF-8, piece by piece.
 pub(super) struct Decoding {
     decoder: Option<Decoder>,
+    /// Whether carriage returns become line feeds.
+    pub(super) carriage_returns: bool,
     raw: Vec<u8>,
     position: usize,
     filled: usize,
@@ -101,6 +103,7 @@ impl Decoding {
         let size = if decoder.is_some() { PIECE_BYTES } else { 0 };
         Self {
             decoder,
+            carriage_returns: false,
             raw: vec![0; size],
             position: 0,
             filled: 0,
@@ -127,6 +130,9 @@ impl Decoding {
         let Some(decoder) = &mut self.decoder else {
             let count = retried(input, text)?;
             see(&text[..count]);
+            if self.carriage_returns {
+                to_line_feeds(&mut text[..count]);
+            }
             return Ok(count);
         };
         loop {
@@ -146,9 +152,19 @@ impl Decoding {
             let is_done = self.at_end && result == CoderResult::InputEmpty;
             self.is_done = is_done;
             if written > 0 || is_done {
+                if self.carriage_returns {
+                    to_line_feeds(&mut text[..written]);
+                }
                 return Ok(written);
             }
         }
+    }
+}
+
+/// Replaces carriage returns by line feeds.
+pub(super) fn to_line_feeds(text: &mut [u8]) {
+    for byte in text.iter_mut().filter(|byte| **byte == b'\r') {
+        *byte = b'\n';
     }
 }
 

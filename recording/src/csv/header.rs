@@ -9,8 +9,13 @@ use crate::{PressureReference, Unit};
 /// Reference of a pressure whose unit states none, such as `bar`; `None` where nobody stated it.
 pub(crate) type Reference = Option<PressureReference>;
 
-/// Columns with the state of a valve, 0 or 1, and the duty cycles that these are.
-const STATES: [(&str, &str); 2] = [("state_fill", "duty_fill"), ("state_vent", "duty_vent")];
+/// Columns that are duty cycles by another name: the state of a valve, 0 or 1, and the command of a proportional valve.
+const COMMANDS: [(&str, &str, Unit); 4] = [
+    ("state_fill", "duty_fill", Unit::Fraction),
+    ("state_vent", "duty_vent", Unit::Fraction),
+    ("cmd_fill_pct", "duty_fill", Unit::Percent),
+    ("cmd_vent_pct", "duty_vent", Unit::Percent),
+];
 
 /// Content of a column header.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +28,8 @@ pub(crate) struct Heading {
 pub(crate) fn parse_heading(field: &str, reference: Reference) -> Result<Heading, Problem> {
     let field = without_formula_guard(field);
     let (name, unit) = match bracketed(field) {
-        _ if let Some((_, duty)) = STATES.iter().find(|(state, _)| *state == field) => {
-            (*duty, Unit::Fraction)
+        _ if let Some((_, duty, unit)) = COMMANDS.iter().find(|(name, ..)| *name == field) => {
+            (*duty, *unit)
         }
         Some((name, unit)) => (name, parse_unit(unit, reference)?),
         None => suffixed(field, reference)?,
@@ -87,7 +92,7 @@ pub(crate) fn parse_unit(text: &str, reference: Reference) -> Result<Unit, Probl
 }
 
 /// Returns the header field of a column; [`parse_heading`] returns exactly this name and unit.
-pub(super) fn format_heading(name: &str, unit: Unit) -> String {
+pub(crate) fn format_heading(name: &str, unit: Unit) -> String {
     let heading = Heading {
         name: name.to_owned(),
         unit,

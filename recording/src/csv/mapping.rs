@@ -1,7 +1,7 @@
 //! Mapping: describes the columns of a file where the file itself does not.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
 use serde::Deserialize;
@@ -45,6 +45,7 @@ pub(crate) const CLOCK: &str = "clock";
 ///     scale = 2.0                       # bar per logged volt
 ///     offset = -1.0                     # added after the scale
 ///     check_scale = false               # accept values of unusual size
+///     plausible = [-1, 12]              # values outside, such as glitches, count as missing; in bar_gauge
 ///
 ///     [constant.duty_fill]              # not in the file, since it stayed as it was
 ///     value = 100
@@ -112,6 +113,8 @@ pub(crate) struct MappedColumn {
     pub(crate) offset: f64,
     pub(crate) thousands: Option<char>,
     pub(crate) check_scale: bool,
+    /// Range of the values after scale and offset, in `unit`; values outside count as missing.
+    pub(crate) plausible: Option<RangeInclusive<f64>>,
     /// Whether the column has dates or times of day; its unit is then the second.
     pub(crate) is_clock: bool,
 }
@@ -156,6 +159,7 @@ struct ColumnToml {
     thousands_separator: Option<Spanned<String>>,
     #[serde(default = "yes")]
     check_scale: bool,
+    plausible: Option<Spanned<[f64; 2]>>,
 }
 
 fn yes() -> bool {
@@ -303,6 +307,9 @@ fn resolve_time(
     mut raw: ColumnToml,
     decimal: Option<Decimal>,
 ) -> Result<(MappedColumn, Range<usize>), AtSpan> {
+    if let Some(range) = &raw.plausible {
+        return Err((range.span(), MappingProblem::PlausibleTime));
+    }
     if raw.unit.get_ref() != CLOCK {
         return resolve_column(raw, decimal, None);
     }
@@ -339,6 +346,18 @@ fn resolve_column(
         }
         Some(value) => Err((value.span(), MappingProblem::Factor(*value.get_ref()))),
     };
+    let plausible = match raw.plausible {
+        None => None,
+        Some(range) => {
+            let [least, greatest] = *range.get_ref();
+            // Also false for NaN.
+            if !(least < greatest && least.is_finite() && greatest.is_finite()) {
+                let problem = MappingProblem::Plausible { least, greatest };
+                return Err((range.span(), problem));
+            }
+            Some(least..=greatest)
+        }
+    };
     let thousands_span = raw.thousands_separator.as_ref().map(Spanned::span);
     let thousands = choice(
         raw.thousands_separator,
@@ -357,6 +376,7 @@ fn resolve_column(
         offset: number(raw.offset, 0.0, true)?,
         thousands,
         check_scale: raw.check_scale,
+        plausible,
         is_clock: false,
     };
     Ok((column, unit_span))

@@ -108,6 +108,19 @@ pub enum MappingProblem {
     /// A scale is zero, NaN or infinite.
     #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
     Factor(f64),
+    /// A plausible range is empty or not finite.
+    #[error("found [{least}, {greatest}], expected a smaller and a greater number; correct it")]
+    Plausible {
+        /// First number.
+        least: f64,
+        /// Second number.
+        greatest: f64,
+    },
+    /// The time has a plausible range.
+    #[error(
+        "the time has no plausible range; write [rows] with from_s and until_s to leave out rows"
+    )]
+    PlausibleTime,
     /// A constant is no number, or is outside the hard bounds of its quantity.
     #[error("found {found} ({allowed}); correct it")]
     Constant {
@@ -139,6 +152,8 @@ impl MappingProblem {
             Self::Name(_) => "E-MAP-NAME",
             Self::ColumnZero => "E-MAP-COLUMN",
             Self::Factor(_) => "E-MAP-FACTOR",
+            Self::PlausibleTime => "E-MAP-PLAUSIBLE-TIME",
+            Self::Plausible { .. } => "E-MAP-PLAUSIBLE",
             Self::Constant { .. } => "E-MAP-CONSTANT",
             Self::WindowEmpty => "E-MAP-ROWS",
             Self::ThousandsAsDecimal => "E-MAP-THOUSANDS",

@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use super::dialect::{DecimalVote, check_encoding, find_delimiter};
+use super::dialect::{DecimalVote, HeadText, check_encoding, find_delimiter};
 use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
 use super::header::is_units_row;
@@ -29,7 +29,11 @@ impl Opening {
     pub(super) fn read(input: &mut impl Read, options: &Options) -> Result<Self, Located> {
         let (bytes, is_all) = read_head(input, options.limits)
             .map_err(|error| (Place::default(), Problem::Io(error)))?;
-        let (encoding, text) = check_encoding(&bytes)?;
+        let HeadText {
+            encoding,
+            carriage_returns,
+            text,
+        } = check_encoding(&bytes)?;
         let delimiter = match options.mapping.delimiter {
             Some(delimiter) => delimiter,
             None => find_delimiter(&text, options.mapping.skip_lines)?,
@@ -54,6 +58,7 @@ impl Opening {
             header: head.is_header,
             units_row,
             encoding,
+            carriage_returns,
             byte_order_mark: bytes.starts_with(BYTE_ORDER_MARK),
         };
         drop(text);

@@ -1,5 +1,7 @@
 //! Assignment of the fields of a record to the time and to signals.
 
+use std::ops::RangeInclusive;
+
 use super::complement::Constant;
 use super::error::{Excerpt, Located, Place};
 use super::header::{parse_heading, parse_heading_over_unit};
@@ -32,6 +34,8 @@ pub(super) struct FieldPlan {
     pub(super) linear: Option<(f64, f64)>,
     pub(super) thousands: Option<char>,
     pub(super) check_scale: bool,
+    /// Range of the values; others count as missing.
+    pub(super) plausible: Option<RangeInclusive<f64>>,
     pub(super) is_clock: bool,
 }
 
@@ -44,6 +48,7 @@ impl FieldPlan {
             linear: None,
             thousands: None,
             check_scale: true,
+            plausible: None,
             is_clock: false,
         }
     }
@@ -54,6 +59,7 @@ impl FieldPlan {
             linear: (linear != (1.0, 0.0)).then_some(linear),
             thousands: column.thousands,
             check_scale: column.check_scale,
+            plausible: column.plausible.clone(),
             is_clock: column.is_clock,
             ..Self::plain(field, name.to_owned(), column.unit)
         }

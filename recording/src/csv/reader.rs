@@ -86,7 +86,8 @@ impl<R: Read> Reader<R> {
             header_records,
         } = Opening::read(&mut input, options).map_err(fail)?;
         let input = Cursor::new(head).chain(input);
-        let mut records = Records::new(input, dialect.encoding, dialect.delimiter, options.limits);
+        let mut records = Records::new(input, dialect.encoding, dialect.delimiter, options.limits)
+            .with_carriage_returns(dialect.carriage_returns);
         records
             .skip(options.mapping.skip_lines, header_records)
             .map_err(fail)?;
@@ -179,6 +180,13 @@ impl<R: Read> Reader<R> {
             notes.push(Note {
                 key: READER_NOTE.to_owned(),
                 value: format!("the text is {}; it was decoded", self.dialect.encoding),
+            });
+        }
+        if self.dialect.carriage_returns {
+            notes.push(Note {
+                key: READER_NOTE.to_owned(),
+                value: "the lines end with carriage returns; they were read as line feeds"
+                    .to_owned(),
             });
         }
         Provenance {

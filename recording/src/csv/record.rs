@@ -100,6 +100,12 @@ impl<R: Read> Records<R> {
         }
     }
 
+    /// Takes carriage returns as line feeds, if `carriage_returns` is set.
+    pub(super) fn with_carriage_returns(mut self, carriage_returns: bool) -> Self {
+        self.decoding.carriage_returns = carriage_returns;
+        self
+    }
+
     /// Returns the next record, skipping blank lines and comments; `None` at the end of the file.
     pub(super) fn next(&mut self) -> Result<Option<Record<'_>>, Located> {
         if !self.advance()? {

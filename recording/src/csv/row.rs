@@ -59,6 +59,7 @@ impl RowParser {
                 .map(|signal| {
                     let column = Some(signal.field + 1);
                     Watch::new(&signal.name, signal.unit, signal.check_scale, column)
+                        .narrowed_to(signal.plausible.as_ref())
                 })
                 .collect(),
             last_field: LastField::default(),

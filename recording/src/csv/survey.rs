@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read};
 
 use super::clock::Clock;
-use super::dialect::{check_encoding, find_delimiter};
+use super::dialect::{HeadText, check_encoding, find_delimiter};
 use super::encoding::Encoding;
 use super::error::{Excerpt, Located, Place};
 use super::header::is_units_row;
@@ -72,13 +72,18 @@ pub(crate) fn survey(
 ) -> Result<Survey, Located> {
     let (head, _) =
         read_head(&mut input, limits).map_err(|error| (Place::default(), Problem::Io(error)))?;
-    let (encoding, text) = check_encoding(&head)?;
+    let HeadText {
+        encoding,
+        carriage_returns,
+        text,
+    } = check_encoding(&head)?;
     let layout = Layout::of(&text, mapping, limits)?;
     let mut survey = layout.survey(&text, mapping);
-    survey.dialect.encoding = encoding;
+    (survey.dialect.encoding, survey.dialect.carriage_returns) = (encoding, carriage_returns);
     drop(text);
     let records = Cursor::new(head).chain(input);
-    let mut records = Records::new(records, encoding, survey.dialect.delimiter, limits);
+    let mut records = Records::new(records, encoding, survey.dialect.delimiter, limits)
+        .with_carriage_returns(carriage_returns);
     let header_records = usize::from(survey.dialect.header) + usize::from(survey.dialect.units_row);
     records.skip(survey.skip_lines, header_records)?;
     let width = survey.columns.len();
@@ -292,6 +297,7 @@ impl Layout {
                 header: header.is_some(),
                 units_row: units.is_some(),
                 encoding: Encoding::Utf8,
+                carriage_returns: false,
                 byte_order_mark: head.starts_with(BYTE_ORDER_MARK),
             },
             skip_lines,

@@ -1,42 +1,49 @@
-//! Columns of an inspection: what the file states about each, and what it is used for.
+//! Columns of an inspection, and what each is used for.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::Draft;
-use crate::csv::header::parse_heading_over_unit;
-use crate::csv::mapping::{CLOCK, ColumnKey, MappedColumn};
-use crate::csv::{self, Excerpt};
+use super::glitches::Glitches;
+use super::rise::{Trace, rise};
+use crate::csv::Excerpt;
+use crate::csv::mapping::{CLOCK, MappedColumn};
 use crate::guess::{self, GuessedUnit, Question, Subject, TIME};
 use crate::name::is_time_column;
 use crate::values::ColumnValues;
-use crate::{LogFormat, LogOptions, PressureReference, Unit, mf4};
+use crate::{Bounds, LogFormat, PressureReference, Quantity, Unit};
 
 /// Column of the file.
 pub(super) struct Column {
     /// Name in a mapping, and the same in TOML.
     pub(super) key: String,
     pub(super) toml_key: String,
-    header: String,
+    pub(super) header: String,
     pub(super) unit_in_file: String,
     /// Name and unit that the header states by itself.
-    own: Option<(String, Unit)>,
+    pub(super) own: Option<(String, Unit)>,
     /// Whether the header states them only with the given reference.
     pub(super) needs_reference: bool,
     /// Whether the given mapping explains the column.
     pub(super) is_given: bool,
     /// Reason why it can be no signal.
-    obstacle: Option<String>,
+    pub(super) obstacle: Option<String>,
     pub(super) values: ColumnValues,
     pub(super) thousands: Option<char>,
     /// Whether the column has dates or times of day, which a mapping must state.
     pub(super) is_clock: bool,
-    times: Arc<Vec<f64>>,
-    samples: Arc<Vec<f64>>,
+    pub(super) times: Arc<Vec<f64>>,
+    pub(super) samples: Arc<Vec<f64>>,
+    glitches: Option<Glitches>,
+    /// Plausible range in the unit of the file, without the glitches.
+    pub(super) plausible: Option<RangeInclusive<f64>>,
     /// Time from the first to the last sample (s), if the column has its own instants.
     pub(super) span_s: Option<f64>,
     pub(super) role: Use,
     pub(super) unit: Option<GuessedUnit>,
     pub(super) scale: Option<f64>,
+    /// Offset of the given mapping.
+    pub(super) offset: Option<f64>,
     pub(super) reason: String,
     /// Assumption to check.
     pub(super) assumed: String,
@@ -55,7 +62,7 @@ pub(super) enum Use {
 }
 
 impl Column {
-    fn new(key: String, header: &str, unit: &str, values: ColumnValues) -> Self {
+    pub(super) fn new(key: String, header: &str, unit: &str, values: ColumnValues) -> Self {
         Self {
             toml_key: toml_string(&key).unwrap_or_default(),
             key,
@@ -70,10 +77,13 @@ impl Column {
             is_clock: false,
             times: Arc::default(),
             samples: Arc::default(),
+            glitches: None,
+            plausible: None,
             span_s: None,
             role: Use::Open,
             unit: None,
             scale: None,
+            offset: None,
             reason: String::new(),
             assumed: String::new(),
             question: None,
@@ -81,9 +91,12 @@ impl Column {
     }
 
     /// Takes name and unit of the given mapping.
-    fn give(&mut self, name: &str, mapped: &MappedColumn) {
+    pub(super) fn give(&mut self, name: &str, mapped: &MappedColumn) {
         self.is_given = true;
         self.unit = Some(GuessedUnit::Unit(mapped.unit));
+        self.scale = Some(mapped.scale).filter(|&scale| scale != 1.0);
+        self.offset = Some(mapped.offset).filter(|&offset| offset != 0.0);
+        self.plausible.clone_from(&mapped.plausible);
         "the mapping states it".clone_into(&mut self.reason);
         self.role = match name {
             TIME => Use::Time,
@@ -109,7 +122,11 @@ impl Column {
             _ => false,
         };
         !self.is_given
-            && (!by_itself || self.is_clock || self.scale.is_some() || self.thousands.is_some())
+            && (!by_itself
+                || self.is_clock
+                || self.scale.is_some()
+                || self.thousands.is_some()
+                || self.plausible.is_some())
     }
 
     /// Returns the unit in the notation of a mapping.
@@ -118,6 +135,34 @@ impl Column {
             true => CLOCK,
             false => self.unit.as_ref().map_or("", GuessedUnit::token),
         }
+    }
+
+    /// Finds the glitches among all samples of the column; none if not all samples were kept.
+    fn find_glitches(&mut self) {
+        let is_whole = self.samples.len() as u64 == self.values.count + self.values.missing;
+        if is_whole && !self.is_clock {
+            self.glitches = Glitches::find(&self.samples);
+        }
+    }
+
+    /// Takes over the range of the values without the glitches, if the signal cannot jump. Returns the assumption.
+    fn refuse_glitches(&mut self) -> Option<String> {
+        let glitches = self.glitches.take()?;
+        let Some(GuessedUnit::Unit(unit)) = &self.unit else {
+            return None;
+        };
+        let is_slow = matches!(
+            unit.quantity(),
+            Quantity::Pressure | Quantity::Temperature | Quantity::Voltage
+        );
+        let hard = Bounds::of(unit.quantity()).in_unit(*unit);
+        let is_known = glitches.cells.iter().all(|value| !hard.contains(value));
+        if !is_slow || is_known || self.is_given || !matches!(self.role, Use::Signal(_)) {
+            return None;
+        }
+        let text = format!("{glitches}");
+        self.plausible = Some(glitches.range);
+        Some(text)
     }
 
     pub(super) fn is_current(&self) -> bool {
@@ -135,189 +180,10 @@ pub(super) fn toml_string(text: &str) -> Option<String> {
 }
 
 impl Draft {
-    pub(super) fn of_csv(survey: csv::survey::Survey, options: &LogOptions) -> Self {
-        let mapping = &options.mapping;
-        let reference = mapping.reference;
-        let has_header = survey.header_line.is_some();
-        let rows = survey.columns.iter().map(|column| column.kept.len()).max();
-        let times = Arc::new(
-            (0..rows.unwrap_or(0))
-                .map(|row| row as f64)
-                .collect::<Vec<_>>(),
-        );
-        let width = survey.headers.len();
-        let mut missing_words: Vec<String> = Vec::new();
-        let mut bad_rows = survey.ragged;
-        let mut remarks = Vec::new();
-        let mut columns = Vec::with_capacity(width);
-        for (field, found) in survey.columns.into_iter().enumerate() {
-            let number = field as u32 + 1;
-            let header = &survey.headers[field];
-            let unit = survey
-                .units
-                .as_ref()
-                .map_or("", |units| units[field].as_str());
-            let is_unique = survey
-                .headers
-                .iter()
-                .filter(|other| *other == header)
-                .count()
-                == 1;
-            let is_named = has_header && is_unique && !header.is_empty();
-            let key = match is_named && toml_string(header).is_some() {
-                true => header.clone(),
-                false => number.to_string(),
-            };
-            let mut column = Column::new(key, header, unit, found.values);
-            if column.key != *header {
-                column.toml_key = number.to_string();
-            }
-            if has_header {
-                let own = |reference| parse_heading_over_unit(header, unit, reference).ok();
-                column.own = own(reference).map(|heading| (heading.name, heading.unit));
-                column.needs_reference = column.own.is_some() && own(None).is_none();
-            } else {
-                column.header = String::new();
-            }
-            (column.thousands, column.times) = (found.thousands, Arc::clone(&times));
-            column.is_clock = found.is_clock;
-            column.samples = Arc::new(found.kept);
-            let is_key = |key: &ColumnKey| key.is(number, header);
-            if let Some(time) = mapping.time.as_ref().filter(|time| is_key(&time.column)) {
-                column.give(TIME, time);
-            } else if let Some((name, mapped)) =
-                mapping.signals.iter().find(|(_, one)| is_key(&one.column))
-            {
-                column.give(name, mapped);
-            } else if mapping.ignore.iter().any(is_key) {
-                (column.role, column.is_given) = (Use::Ignored, true);
-                "the mapping ignores it".clone_into(&mut column.reason);
-            } else if field + 1 == width
-                && width > 1
-                && header.is_empty()
-                && column.values.count == 0
-                && found.texts == 0
-            {
-                column.role = Use::Blank;
-                "a separator at the end of each line".clone_into(&mut column.reason);
-            } else if found.texts > column.values.count {
-                column.obstacle = Some(match &found.first_text {
-                    Some((_, text)) => format!("texts such as {text}"),
-                    None => "texts".to_owned(),
-                });
-            }
-            if column.obstacle.is_none() && !matches!(column.role, Use::Ignored | Use::Blank) {
-                missing_words.extend(found.missing_words);
-                bad_rows += found.texts;
-                if let Some((line, text)) = &found.first_text {
-                    remarks.push(format!(
-                        "{}: {} cells are no numbers, the first is {text} in line {line}",
-                        Excerpt::of(&column.key),
-                        found.texts
-                    ));
-                }
-            }
-            columns.push(column);
-        }
-        missing_words.sort();
-        missing_words.dedup();
-        missing_words.retain(|word| toml_string(word).is_some());
-        if let Some((line, fields)) = survey.first_ragged {
-            remarks.push(format!(
-                "{} rows do not have {width} fields, the first is line {line} with {fields}",
-                survey.ragged
-            ));
-        }
-        let mut layout = format!("CSV, {}", survey.dialect);
-        match survey.skip_lines {
-            0 => {}
-            1 => layout += ", after 1 line of preamble",
-            lines => layout += &format!(", after {lines} lines of preamble"),
-        }
-        let assumed = match survey.is_decimal_assumed {
-            true => vec![format!(
-                "the decimal separator is `{}`, although some numbers allow the other reading",
-                survey.dialect.decimal.symbol()
-            )],
-            false => Vec::new(),
-        };
-        Self {
-            format: LogFormat::Csv,
-            layout,
-            rows: survey.rows,
-            columns,
-            dialect: survey.stated,
-            missing_words,
-            assumed,
-            remarks,
-            bad_rows,
-            constants: mapping.constants.keys().cloned().collect(),
-        }
-    }
-
-    pub(super) fn of_mf4(survey: mf4::survey::Survey, options: &LogOptions) -> Self {
-        let mapping = &options.mapping;
-        let mut remarks = Vec::new();
-        if let Some(reason) = survey.obstacle {
-            remarks.push(format!("no numbers were read: {reason}"));
-        }
-        let mut rows = 0;
-        let mut columns = Vec::with_capacity(survey.channels.len());
-        for channel in survey.channels {
-            rows = rows.max(channel.samples.len() as u64);
-            let mut column = Column::new(channel.key, &channel.name, &channel.unit, channel.values);
-            column.own = channel.own;
-            let strict = parse_heading_over_unit(&channel.name, &channel.unit, None);
-            column.needs_reference = column.own.is_some() && strict.is_err();
-            column.obstacle = channel.obstacle;
-            if column.toml_key.is_empty() {
-                column.obstacle =
-                    Some("its name has characters that a mapping cannot have".to_owned());
-            }
-            column.span_s = channel
-                .times_s
-                .first()
-                .zip(channel.times_s.last())
-                .map(|(first, last)| last - first);
-            (column.times, column.samples) = (channel.times_s, channel.samples);
-            let is_key = |key: &ColumnKey| match key {
-                ColumnKey::Header(wanted) => *wanted == column.key || *wanted == column.header,
-                ColumnKey::Number(_) => false,
-            };
-            let given = mapping.signals.iter().find(|(_, one)| is_key(&one.column));
-            if mapping.ignore.iter().any(is_key) {
-                (column.role, column.is_given) = (Use::Ignored, true);
-                "the mapping ignores it".clone_into(&mut column.reason);
-            } else if let Some((name, mapped)) = given {
-                column.give(name, mapped);
-            }
-            columns.push(column);
-        }
-        let groups = match survey.groups {
-            1 => "1 group".to_owned(),
-            count => format!("{count} groups"),
-        };
-        let version = f64::from(survey.version) / 100.0;
-        let producer = survey.producer.map_or_else(String::new, |name| {
-            format!(", written by {}", Excerpt::of(&name))
-        });
-        Self {
-            format: LogFormat::Mf4,
-            layout: format!("MF4, version {version:.2}, {groups} of channels{producer}"),
-            rows,
-            columns,
-            dialect: Vec::new(),
-            missing_words: Vec::new(),
-            assumed: Vec::new(),
-            remarks,
-            bad_rows: 0,
-            constants: mapping.constants.keys().cloned().collect(),
-        }
-    }
-
     /// Decides what each column is.
     pub(super) fn decide(&mut self, reference: Option<PressureReference>) {
         for column in &mut self.columns {
+            column.find_glitches();
             if let Some(obstacle) = column.obstacle.take().filter(|_| !column.is_given) {
                 (column.role, column.reason) = (Use::Ignored, obstacle);
             }
@@ -336,7 +202,10 @@ impl Draft {
                         true => Unit::Second.token(),
                         false => &column.unit_in_file,
                     },
-                    values: &column.values,
+                    values: match &column.glitches {
+                        Some(glitches) => &glitches.others,
+                        None => &column.values,
+                    },
                 }
             })
             .collect();
@@ -374,10 +243,14 @@ impl Draft {
                 }
                 (None, _) => Use::Ignored,
             };
-            if !guess.assumed.is_empty() && !matches!(column.role, Use::Ignored) {
-                let text = format!("{}: {}", Excerpt::of(&column.key), guess.assumed);
+            let mut assumed = vec![guess.assumed];
+            assumed.extend(column.refuse_glitches());
+            assumed.retain(|text| !text.is_empty());
+            let assumed = assumed.join("; ");
+            if !assumed.is_empty() && !matches!(column.role, Use::Ignored) {
+                let text = format!("{}: {assumed}", Excerpt::of(&column.key));
                 self.assumed.push(text);
-                column.assumed = guess.assumed;
+                column.assumed = assumed;
             }
         }
         self.leave_names_to_the_first();
@@ -413,86 +286,5 @@ impl Draft {
                 }
             }
         }
-    }
-}
-
-/// Samples of a column.
-#[derive(Clone, Copy)]
-struct Trace<'a> {
-    times: &'a [f64],
-    samples: &'a [f64],
-    /// Value above which a valve counts as on.
-    on: f64,
-    range: f64,
-}
-
-impl<'a> Trace<'a> {
-    /// Share of the greatest value above which a valve counts as on.
-    const ON: f64 = 0.1;
-
-    fn of(column: &'a Column) -> Self {
-        Self {
-            times: &column.times,
-            samples: &column.samples,
-            on: Self::ON * column.values.greatest,
-            range: column.values.greatest - column.values.least,
-        }
-    }
-}
-
-/// Returns the change of the pressure while a valve is on and the other one is off, as a share of its range.
-fn rise(valve: Trace<'_>, other: Option<Trace<'_>>, pressure: Trace<'_>) -> Option<f64> {
-    let mut valve_is_on = Last::of(valve);
-    let mut other_is_on = other.map(Last::of);
-    let present = pressure.times.iter().zip(pressure.samples);
-    let mut present = present.filter(|(_, sample)| !sample.is_nan()).peekable();
-    let (mut sum, mut count) = (0.0, 0_u64);
-    while let Some((&time, &value)) = present.next() {
-        let is_on = valve_is_on.is_on_at(time);
-        let is_other_on = other_is_on
-            .as_mut()
-            .is_some_and(|other| other.is_on_at(time));
-        if let (Some(&(_, &next)), true, false) = (present.peek(), is_on, is_other_on) {
-            (sum, count) = (sum + next - value, count + 1);
-        }
-    }
-    (count > 0 && pressure.range > 0.0).then(|| sum / pressure.range)
-}
-
-/// Last known sample of a trace.
-struct Last<'a> {
-    trace: Trace<'a>,
-    next: usize,
-    value: f64,
-}
-
-impl<'a> Last<'a> {
-    fn of(trace: Trace<'a>) -> Self {
-        Self {
-            trace,
-            next: 0,
-            value: 0.0,
-        }
-    }
-
-    fn is_on_at(&mut self, time: f64) -> bool {
-        while self
-            .trace
-            .times
-            .get(self.next)
-            .is_some_and(|&at| at <= time)
-        {
-            let sample = self
-                .trace
-                .samples
-                .get(self.next)
-                .copied()
-                .unwrap_or(f64::NAN);
-            if !sample.is_nan() {
-                self.value = sample;
-            }
-            self.next += 1;
-        }
-        self.trace.on > 0.0 && self.value > self.trace.on
     }
 }

@@ -9,12 +9,13 @@ use crate::csv::Excerpt;
 
 impl Draft {
     /// Returns the text of a mapping: the given one with lines for the other columns, or a new one. `None` if the file
-    /// needs neither.
+    /// needs neither. With `states_reference`, the mapping has a line for each column whose header leaves the reference
+    /// open.
     pub(super) fn mapping_text(
         &self,
-        source: &str,
+        (source, given): (&str, Option<&str>),
         missing: &[&str],
-        given: Option<&str>,
+        states_reference: bool,
     ) -> Option<String> {
         let ignored: Vec<&str> = self
             .columns
@@ -26,10 +27,11 @@ impl Draft {
             })
             .map(|column| column.toml_key.as_str())
             .collect();
-        let lines = self
-            .columns
-            .iter()
-            .any(|column| matches!(column.role, Use::Time | Use::Signal(_)) && column.needs_line());
+        let lines = self.columns.iter().any(|column| {
+            let has_line = column.needs_line()
+                || states_reference && column.needs_reference && !column.is_given;
+            matches!(column.role, Use::Time | Use::Signal(_)) && has_line
+        });
         let is_needed = lines
             || !ignored.is_empty()
             || !self.missing_words.is_empty()
@@ -143,6 +145,9 @@ fn lines_of(column: &Column) -> String {
     text.push('\n');
     if let Some(scale) = column.scale {
         let _ = writeln!(text, "scale = {scale:?}");
+    }
+    if let Some(range) = &column.plausible {
+        let _ = writeln!(text, "plausible = [{:?}, {:?}]", range.start(), range.end());
     }
     if let Some(separator) = column.thousands.filter(|_| !column.is_clock) {
         let _ = writeln!(text, "thousands_separator = \"{separator}\"");

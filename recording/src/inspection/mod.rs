@@ -1,19 +1,28 @@
 //! Inspection of a log of unknown layout: its columns, a guess of each, and a mapping with which it can be read.
 
 mod columns;
+mod glitches;
+mod json;
 mod mapping_text;
+mod of_file;
+mod rise;
 
 use std::fs::File;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use crate::csv::{self, CsvError, Mapping};
 use crate::guess::{GuessedUnit, Question};
+use crate::log::read_named_log_file;
 use crate::mf4::{self, Mf4Error};
+use crate::table::{self, TableError};
 use crate::values::ColumnValues;
-use crate::{
-    LogError, LogFormat, LogOptions, PressureReference, Unit, open_log_file, read_log_file,
-};
+use crate::{LogError, LogFormat, LogOptions, PressureReference, Unit};
 use columns::{Column, Use};
+pub use json::{
+    ColumnView, INSPECTION_SCHEMA, InspectedDialect, InspectedLog, InspectedLogs, ProblemView,
+    QuestionView,
+};
 
 /// Signals without which the model of both valves and the chamber cannot be compared.
 const NEEDED: [&str; 3] = ["duty_fill", "duty_vent", "p_ch"];
@@ -28,6 +37,8 @@ pub struct Inspection {
     pub format: LogFormat,
     /// Layout of the file, in words.
     pub layout: String,
+    /// Dialect of a CSV file, and the number of lines before its header.
+    pub dialect: Option<(csv::Dialect, u32)>,
     /// Number of rows; of an MF4 file, of its longest group.
     pub rows: u64,
     /// Time from the first to the last row (s).
@@ -46,8 +57,14 @@ pub struct Inspection {
     pub remarks: Vec<String>,
     /// Number of rows with another number of fields, or with texts among the numbers.
     pub bad_rows: u64,
+    /// Spellings of missing samples, those of the given mapping included.
+    pub missing_words: Vec<String>,
     /// Text of a mapping, TOML; `None` if the file needs none.
     pub mapping: Option<String>,
+    /// Text of a mapping that also states the reference of pressures; `None` if the file needs no reference.
+    pub mapping_with_reference: Option<String>,
+    /// Whether a question is the reference of pressures.
+    pub asks_reference: bool,
     /// Whether the log is read only if the reference of its pressures is given.
     pub needs_reference: bool,
     /// Reference that the values suggest for pressures that state none.
@@ -74,6 +91,16 @@ pub struct InspectedColumn {
     pub unit: Option<String>,
     /// Reason of the guess.
     pub reason: String,
+    /// Whether the signal is that of the header alone, without a mapping.
+    pub is_by_header: bool,
+    /// Factor for the numbers.
+    pub scale: Option<f64>,
+    /// Number added after the factor.
+    pub offset: Option<f64>,
+    /// Separator of thousands.
+    pub thousands: Option<char>,
+    /// Range outside which values count as missing, in the unit of the mapping.
+    pub plausible: Option<RangeInclusive<f64>>,
 }
 
 /// Open question, and what answers it.
@@ -112,41 +139,42 @@ pub fn inspect_file(
 ) -> Result<Inspection, LogError> {
     let path = path.as_ref();
     let name = path.file_name().unwrap_or(path.as_os_str());
-    let source = name.to_string_lossy().into_owned();
-    let file =
-        File::open(path).map_err(|error| CsvError::io(&path.display().to_string(), error))?;
-    let mut draft = match format(path, &options.mapping)? {
+    inspect_named_file(&name.to_string_lossy(), path, options, given)
+}
+
+/// Inspects a log file whose name in the texts is `source`, such as a stored copy.
+///
+/// # Errors
+/// Returns the same errors as [`inspect_file`].
+pub fn inspect_named_file(
+    source: &str,
+    path: impl AsRef<Path>,
+    options: &LogOptions,
+    given: Option<&str>,
+) -> Result<Inspection, LogError> {
+    let path = path.as_ref();
+    let failed = |error| CsvError::io(&path.display().to_string(), error);
+    let mut file = File::open(path).map_err(failed)?;
+    let format = LogFormat::of_file(&mut file).map_err(failed)?;
+    let mut draft = match format {
         LogFormat::Csv => {
             let survey = csv::survey::survey(file, &options.mapping, options.csv_limits)
-                .map_err(|(place, problem)| CsvError::new(&source, place, problem))?;
+                .map_err(|(place, problem)| CsvError::new(source, place, problem))?;
             Draft::of_csv(survey, options)
         }
         LogFormat::Mf4 => {
             let survey = mf4::survey::survey(file, &options.mapping, options.mf4_limits)
-                .map_err(|error| Mf4Error::new(&source, error))?;
+                .map_err(|error| Mf4Error::new(source, error))?;
             Draft::of_mf4(survey, options)
+        }
+        format => {
+            let columns = table::read_columns(file, format, options.table_limits)
+                .map_err(|error| TableError::new(source, error))?;
+            Draft::of_table(columns, format, options)
         }
     };
     draft.decide(options.mapping.reference);
-    Ok(draft.finish(source, path, options, given))
-}
-
-/// Returns the format of a file by its first bytes.
-fn format(path: &Path, mapping: &Mapping) -> Result<LogFormat, LogError> {
-    let options = LogOptions {
-        mapping: mapping.clone(),
-        // An MF4 log is not read yet.
-        mf4_limits: mf4::Limits {
-            file_bytes: 0,
-            ..mf4::Limits::default()
-        },
-        ..LogOptions::default()
-    };
-    match open_log_file(path, &options) {
-        Ok(crate::OpenLog::Csv(_)) => Ok(LogFormat::Csv),
-        Ok(crate::OpenLog::Recording(_)) | Err(LogError::Mf4(_)) => Ok(LogFormat::Mf4),
-        Err(error) => Err(error),
-    }
+    Ok(draft.finish(source.to_owned(), path, options, given))
 }
 
 /// Inspection under construction.
@@ -155,6 +183,7 @@ struct Draft {
     layout: String,
     rows: u64,
     columns: Vec<Column>,
+    csv_dialect: Option<(csv::Dialect, u32)>,
     /// Lines of `[dialect]`.
     dialect: Vec<(&'static str, String)>,
     /// Spellings of missing samples.
@@ -176,7 +205,7 @@ impl Draft {
     /// Returns the open questions. Each is asked once, of all columns that it concerns.
     fn open(&self, missing: &[&str]) -> Vec<OpenPoint> {
         let mut open: Vec<OpenPoint> = Vec::new();
-        if self.format == LogFormat::Csv && !self.has(crate::guess::TIME) {
+        if self.format != LogFormat::Mf4 && !self.has(crate::guess::TIME) {
             open.push(OpenPoint {
                 question: "no column is the time".to_owned(),
                 answer: "[time] with column = NUMBER and unit = \"s\" in a mapping".to_owned(),
@@ -254,7 +283,17 @@ impl Draft {
         let (found, missing): (Vec<&str>, Vec<&str>) =
             NEEDED.iter().partition(|signal| self.has(signal));
         let open = self.open(&missing);
-        let mapping = self.mapping_text(&source, &missing, given);
+        let mapping = self.mapping_text((&source, given), &missing, false);
+        let states_reference = self.columns.iter().any(|column| column.needs_reference);
+        let mapping_with_reference = (states_reference && reference.is_some())
+            .then(|| self.mapping_text((&source, given), &missing, true))
+            .flatten();
+        let given_words = options.mapping.missing.iter();
+        let missing_words = given_words.chain(&self.missing_words).cloned().collect();
+        let asks_reference = self
+            .columns
+            .iter()
+            .any(|column| matches!(column.question, Some(Question::Reference { .. })));
         let suggested = self
             .columns
             .iter()
@@ -269,9 +308,8 @@ impl Draft {
             false => reference,
         };
         let text = mapping.as_deref().or(given);
-        let trial = try_to_read(path, text, reference, options);
-        let needs_reference =
-            mapping.is_none() && self.columns.iter().any(|column| column.needs_reference);
+        let trial = try_to_read((&source, path), text, reference, options);
+        let needs_reference = mapping.is_none() && states_reference;
         let duration_s = self.duration_s();
         let columns = self
             .columns
@@ -282,6 +320,7 @@ impl Draft {
             source,
             format: self.format,
             layout: self.layout,
+            dialect: self.csv_dialect,
             rows: self.rows,
             duration_s,
             found,
@@ -290,7 +329,10 @@ impl Draft {
             assumed: self.assumed,
             remarks: self.remarks,
             bad_rows: self.bad_rows,
+            missing_words,
             mapping,
+            mapping_with_reference,
+            asks_reference,
             needs_reference,
             suggested,
             trial,
@@ -316,8 +358,13 @@ impl Draft {
                 Some((_, unit)) => Some(unit.clone()),
                 None => column.unit.as_ref().map(|unit| unit.token().to_owned()),
             },
+            is_by_header: signal.is_some() && !column.needs_line() && !column.is_given,
             signal: signal.map(|(name, _)| name),
             reason: column.reason.clone(),
+            scale: column.scale,
+            offset: column.offset,
+            thousands: column.thousands.filter(|_| !column.is_clock),
+            plausible: column.plausible.clone(),
         }
     }
 
@@ -346,7 +393,7 @@ impl Draft {
 
 /// Reads the log with the mapping, as a command does.
 fn try_to_read(
-    path: &Path,
+    (source, path): (&str, &Path),
     mapping: Option<&str>,
     reference: Option<PressureReference>,
     options: &LogOptions,
@@ -365,7 +412,7 @@ fn try_to_read(
         mapping,
         ..options.clone()
     };
-    let recording = read_log_file(path, &options)?;
+    let recording = read_named_log_file(source, path, &options)?;
     let signals = recording.signals().iter();
     Ok(Trial {
         signals: signals.map(|signal| signal.name().to_owned()).collect(),

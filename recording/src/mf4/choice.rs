@@ -1,6 +1,7 @@
 //! Choice of signals among the candidates, with name and unit, by the mapping or by the file itself.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use super::candidates::{Candidate, Candidates, Source};
 use super::error::{Located, of_file};
@@ -25,6 +26,8 @@ pub(super) struct Column {
     /// Scale and offset of a mapping, if any: value = converted number * scale + offset.
     pub(super) linear: Option<(f64, f64)>,
     pub(super) check_scale: bool,
+    /// Range of the values; others count as missing.
+    pub(super) plausible: Option<RangeInclusive<f64>>,
 }
 
 /// Signals of a file, and the channels that are none.
@@ -100,6 +103,7 @@ impl Choice {
                         source,
                         linear: None,
                         check_scale: true,
+                        plausible: None,
                     });
                     continue;
                 }
@@ -175,6 +179,7 @@ fn mapped_column(
         source: channel.source.as_ref().map_err(unusable)?.clone(),
         linear: (linear != (1.0, 0.0)).then_some(linear),
         check_scale: mapped.check_scale,
+        plausible: mapped.plausible.clone(),
     })
 }
 

@@ -295,7 +295,8 @@ fn keep_plausible(
         };
         (Place::channel(&column.name), problem)
     };
-    let mut watch = Watch::new(&column.name, column.unit, column.check_scale, None);
+    let mut watch = Watch::new(&column.name, column.unit, column.check_scale, None)
+        .narrowed_to(column.plausible.as_ref());
     let present = (first..).zip(values).filter(|(_, value)| !value.is_nan());
     for (sample, value) in present {
         let taken = watch.take(*value, sample);

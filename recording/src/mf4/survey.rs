@@ -66,6 +66,7 @@ pub(crate) fn survey<R: Read + Seek>(
             source: channel.source.as_ref().ok()?.clone(),
             linear: None,
             check_scale: false,
+            plausible: None,
         })
     });
     let choice = Choice {

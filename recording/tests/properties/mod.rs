@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use recording::csv::{Decimals, Mapping, Options, read, write};
-use recording::{Recording, mf4};
+use recording::{LogFormat, Recording, mf4, table};
 
 /// Checks that any bytes give a recording or a typed error, and that a recording is unchanged after writing and
 /// reading.
@@ -56,6 +56,53 @@ pub(crate) fn mf4_reader(bytes: &[u8]) {
             has_the_same_samples(&recording, &again);
         }
         Err(error) => is_one_line(&error.to_string(), "E-MF4-"),
+    }
+}
+
+/// Checks that any bytes give a recording or a typed error, and that a recording has the same samples after writing and
+/// reading, in each format of whole columns.
+pub(crate) fn table_reader(bytes: &[u8]) {
+    let format = LogFormat::of_beginning(&bytes[..bytes.len().min(128)]);
+    let format = match format {
+        LogFormat::Csv | LogFormat::Mf4 => LogFormat::Matlab,
+        format => format,
+    };
+    // A small file may claim many values: this limits them.
+    let limits = table::Limits {
+        values: 1 << 20,
+        unpacked_bytes: 1 << 20,
+        ..table::Limits::default()
+    };
+    let options = table::Options {
+        limits,
+        ..table::Options::default()
+    };
+    match table::read("any", bytes, format, &options) {
+        Ok(recording) => {
+            let (base, _) = recording.time_bases().next().expect("it has a time");
+            let written = [
+                (
+                    LogFormat::Parquet,
+                    table::write_parquet(Vec::new(), &recording, base),
+                ),
+                (
+                    LogFormat::Matlab,
+                    table::write_matlab(Vec::new(), &recording, base),
+                ),
+            ];
+            for (format, written) in written {
+                let written = written.expect("what was read can be written");
+                match table::read("again", &written[..], format, &options) {
+                    Ok(again) => assert_eq!(again.time_bases().count(), 1),
+                    // A variable of MATLAB cannot have every name that a signal has.
+                    Err(error) => assert_eq!(
+                        (error.code(), format),
+                        ("E-TAB-NO-SIGNAL", LogFormat::Matlab)
+                    ),
+                }
+            }
+        }
+        Err(error) => is_one_line(&error.to_string(), "E-TAB-"),
     }
 }
 

@@ -110,7 +110,7 @@ pub(crate) fn candidates(diagnosis: &Diagnosis) -> Result<Figure, PlotError> {
         for (row, candidate) in diagnosis.candidates.iter().enumerate() {
             let middle = TOP_PX + row as i32 * ROW_PX + ROW_PX / 2;
             let is_named = diagnosis.effects.contains(&candidate.effect);
-            let name = candidate.effect.replace('_', " ");
+            let name = candidate.effect.replace(['_', '.'], " ");
             let (colour, ink) = if is_named {
                 (palette::ONE_STEP_AHEAD, palette::INK)
             } else {

@@ -107,7 +107,7 @@ fn freed(text: &str) -> Result<Freed, String> {
 pub(crate) struct LogsArgs {
     #[command(flatten)]
     pub(crate) knowledge: KnowledgeArgs,
-    /// Bench log to fit, CSV with units in the header (`p_ch_bar_gauge`) or MF4; may be repeated
+    /// Bench log to fit: CSV with units in the header (`p_ch_bar_gauge`), MF4, Parquet or MATLAB; may be repeated
     #[arg(value_name = "LOG", value_hint = ValueHint::FilePath, required_unless_present = "log")]
     paths: Vec<PathBuf>,
     /// Bench log to fit, the same as LOG; may be repeated

@@ -5,12 +5,16 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 use recording::PressureReference;
 
+use super::JsonArg;
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   retarder inspect bench.csv
   retarder inspect bench.csv --pressure gauge --out my-columns.toml
   retarder inspect *.mf4
+  retarder inspect bench.csv --json | jq '.logs[0].columns[] | {key, signal, unit, reason}'
+  zcat bench.csv.gz | retarder inspect -
   retarder compare bench.csv --mapping my-columns.toml
 
 Shows the format of each log, its rows, and for each column or channel rate, missing cells, range, and the
@@ -18,7 +22,7 @@ guess of signal and unit with its reason. The proposed mapping is tried on the l
 Exit status: 0 the log can be used with the mapping, 1 a needed signal is missing or a row is refused,
 2 a question is open, or could not run.")]
 pub(crate) struct InspectArgs {
-    /// Log to inspect, CSV or MF4; may be repeated
+    /// Log to inspect: CSV, MF4, Parquet or MATLAB; may be repeated; - is the standard input
     #[arg(value_name = "LOG", value_hint = ValueHint::FilePath, required = true)]
     pub(crate) paths: Vec<PathBuf>,
     #[command(flatten)]
@@ -26,6 +30,8 @@ pub(crate) struct InspectArgs {
     /// Write the proposed mapping to this TOML file instead of showing it; several logs need the same one
     #[arg(long, value_name = "MAPPING.toml", value_hint = ValueHint::FilePath)]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
 }
 
 /// Maximum number of rows of a log that are skipped; each is listed.

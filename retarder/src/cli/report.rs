@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 
-use super::{ControllerArg, DEFAULT_SCENARIO, LogsArgs, PlantArgs, scenario_names};
+use super::{
+    ConditionArgs, ControllerArg, DEFAULT_SCENARIO, LogsArgs, PlantArgs, RequirementsArg,
+    scenario_names,
+};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -27,9 +30,13 @@ pub(crate) struct ReportArgs {
     /// Built-in scenario of the closed loop: reference profile and start
     #[arg(long, value_name = "NAME", default_value = DEFAULT_SCENARIO, value_parser = scenario_names())]
     pub(crate) scenario: String,
-    /// Number of additional rigs for the loop, with parameters scattered about the plant
+    /// Number of additional rigs for the loop, as in `control`
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub(crate) rigs: u32,
+    #[command(flatten)]
+    pub(crate) conditions: ConditionArgs,
+    #[command(flatten)]
+    pub(crate) requirements: RequirementsArg,
     /// Leave a part out; may be repeated
     #[arg(long, value_name = "PART")]
     pub(crate) without: Vec<ReportPart>,

@@ -9,7 +9,7 @@ pub(crate) enum SchemaName {
     BlackBox,
     /// retarder.comparison/2, of `compare`
     Comparison,
-    /// retarder.control/1, of `control`
+    /// retarder.control/2, of `control`
     Control,
     /// retarder.device/1, of `control --dut`
     Device,
@@ -19,11 +19,13 @@ pub(crate) enum SchemaName {
     Diagnosis,
     /// retarder.estimation/1, of `refine` without --add
     Estimation,
+    /// retarder.inspection/1, of `inspect`
+    Inspection,
     /// retarder.refinement/2, of `refine --add`
     Refinement,
     /// retarder.next-experiment/2, of `next-experiment`
     NextExperiment,
-    /// retarder.rigs/1, of `control --rigs`
+    /// retarder.rigs/2, of `control --rigs`
     Rigs,
     /// retarder.simulation/1, of `simulate`
     Simulation,

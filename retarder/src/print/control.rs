@@ -1,7 +1,10 @@
 //! Text of the closed loop.
 
+use ecu::PressureSensor;
 use hil_harness::checks::{Bound, Check, CheckId};
-use hil_harness::{Requirement, Verdict};
+use hil_harness::operating_conditions::REFERENCE_TEMPERATURE_C;
+use hil_harness::rigs::RigVerdict;
+use hil_harness::{ConfirmedFault, Requirement, Verdict};
 use recording::Recording;
 
 use super::chart::{Chart, Trace};
@@ -50,6 +53,10 @@ fn head(controlled: &Controlled, terminal: &Terminal) -> String {
         ),
         terminal,
     );
+    let conditions = controlled.scenario.conditions_text();
+    if !conditions.is_empty() {
+        text += &paragraph(&conditions, terminal);
+    }
     text
 }
 
@@ -116,7 +123,14 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
         ],
         terminal,
     );
-    for (heading, is_binding) in [("Required by the thesis", true), ("Also looked at", false)] {
+    let requirement = runs.first().map_or(Requirement::THESIS, |run| {
+        run.scenario.requirements.requirement
+    });
+    let required = match requirement == Requirement::THESIS {
+        true => "Required by the thesis",
+        false => "Required",
+    };
+    for (heading, is_binding) in [(required, true), ("Also looked at", false)] {
         table.heading(heading);
         for id in CheckId::ALL {
             let checks = runs
@@ -135,7 +149,7 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
                 _ => format!("{}: {}", run.scenario.scenario.name, check.evidence),
             };
             table.row([
-                in_short(id).into(),
+                in_short(id, &requirement).into(),
                 check
                     .reached
                     .map_or_else(|| "never".to_owned(), |reached| significant(reached, 3))
@@ -147,7 +161,10 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
         }
     }
     let mut text = table.to_string();
-    if let Some(missing) = not_exercised(runs) {
+    for run in runs {
+        text += &ecu_and_sensor(run, terminal);
+    }
+    if let Some(missing) = not_exercised(runs, &requirement) {
         text += &paragraph(
             &format!("Not exercised by this profile: {missing}."),
             terminal,
@@ -155,6 +172,48 @@ pub(super) fn requirements(runs: &[&Controlled], terminal: &Terminal) -> String 
     }
     text
 }
+
+/// Returns the faults that the ECU confirmed, and the error of the sensor if it is more than noise.
+fn ecu_and_sensor(run: &Controlled, terminal: &Terminal) -> String {
+    let mut text = String::new();
+    let name = &run.scenario.scenario.name;
+    if let Some(faults) = run.verdict.confirmed_faults.as_deref()
+        && !faults.is_empty()
+    {
+        let faults: Vec<String> = faults
+            .iter()
+            .map(
+                |ConfirmedFault {
+                     fault,
+                     first_s,
+                     samples,
+                 }| { format!("{fault} at {first_s:.2} s, for {samples} samples") },
+            )
+            .collect();
+        let sentence = format!(
+            "{name}: the ECU confirmed {}. docs/safety.md has the rule and the reaction of each fault.",
+            faults.join("; ")
+        );
+        text += &painted_paragraph(Colour::Bad, &sentence, terminal);
+    }
+    if let Some(error) = run.verdict.sensor_error {
+        let noise_bar = 1e-3 * run.scenario.scenario.sensor_noise_mbar_rms + SENSOR_STEP_BAR;
+        let sentence = format!(
+            "{name}: the sensor's error (measured minus true pressure) is {} bar on average, {} bar rms, {} bar at most; \
+             the requirements are judged by the true pressure.",
+            significant(error.mean_bar, 2),
+            significant(error.rms_bar, 2),
+            significant(error.largest_bar, 2),
+        );
+        if error.rms_bar > 2.0 * noise_bar {
+            text += &painted_paragraph(Colour::Notice, &sentence, terminal);
+        }
+    }
+    text
+}
+
+/// Step of the pressure sensor's code (bar).
+const SENSOR_STEP_BAR: f64 = PressureSensor::STEP_PA as f64 * 1e-5;
 
 /// Returns the result divided by its limit; a check that never passed is the worst.
 fn severity(check: &Check) -> f64 {
@@ -168,38 +227,60 @@ fn severity(check: &Check) -> f64 {
 }
 
 /// Returns the requirement in a few words; the JSON has the full text.
-fn in_short(id: CheckId) -> String {
+fn in_short(id: CheckId, requirement: &Requirement) -> String {
     let Requirement {
         operating_range_psup: [low, high],
         fill_to_psup,
         vent_from_psup,
         vent_to_psup,
+        p_tol_bar,
         ..
-    } = Requirement::THESIS;
+    } = *requirement;
     match id {
         CheckId::SettlingTime => format!("reach {low} to {high} p_sup, stay"),
         CheckId::SettlingTimeBeyondOperatingRange => "reach what is beyond, stay".to_owned(),
         CheckId::SteadyError => "error after T_req".to_owned(),
         CheckId::Overshoot => "overshoot".to_owned(),
-        CheckId::FillTime => format!("fill from 0 to {fill_to_psup} p_sup"),
+        CheckId::FillTime => format!("fill 0 to {fill_to_psup} p_sup, ±{p_tol_bar} bar"),
         CheckId::FillTimeWithDeadTime => "fill, with dead time".to_owned(),
-        CheckId::VentTime => format!("vent {vent_from_psup} to {vent_to_psup} p_sup"),
+        CheckId::FillTimeToLevel => format!("fill 0 to {fill_to_psup} p_sup itself"),
+        CheckId::FillTimeToLevelWithDeadTime => "fill itself, with dead time".to_owned(),
+        CheckId::VentTime => {
+            format!("vent {vent_from_psup} to {vent_to_psup} p_sup, ±{p_tol_bar} bar")
+        }
         CheckId::VentTimeWithDeadTime => "vent, with dead time".to_owned(),
+        CheckId::VentTimeToLevel => format!("vent {vent_from_psup} to {vent_to_psup} p_sup itself"),
+        CheckId::VentTimeToLevelWithDeadTime => "vent itself, with dead time".to_owned(),
         CheckId::NeverBothValves => "both valves energised".to_owned(),
         CheckId::DutyLimits => "duty outside its limits".to_owned(),
-        CheckId::RestActuations => "valve moves in 1 s at rest".to_owned(),
+        CheckId::RestActuations => "valve lifts in 1 s at rest".to_owned(),
+        CheckId::Lifts => "valve lifts per second".to_owned(),
     }
 }
 
+/// Returns whether the check is another reading of a passage that is already listed.
+fn is_secondary_reading(id: CheckId) -> bool {
+    matches!(
+        id,
+        CheckId::FillTimeWithDeadTime
+            | CheckId::FillTimeToLevel
+            | CheckId::FillTimeToLevelWithDeadTime
+            | CheckId::VentTimeWithDeadTime
+            | CheckId::VentTimeToLevel
+            | CheckId::VentTimeToLevelWithDeadTime
+    )
+}
+
 /// Returns the sentence about checks that no run exercises.
-fn not_exercised(runs: &[&Controlled]) -> Option<String> {
+fn not_exercised(runs: &[&Controlled], requirement: &Requirement) -> Option<String> {
     let names: Vec<String> = CheckId::ALL
         .into_iter()
         .filter(|id| {
             runs.iter()
                 .all(|run| run.verdict.not_exercised.contains(id))
         })
-        .map(in_short)
+        .filter(|id| !is_secondary_reading(*id))
+        .map(|id| in_short(id, requirement))
         .collect();
     (!names.is_empty()).then(|| names.join("; "))
 }
@@ -220,10 +301,37 @@ fn word(check: &Check) -> Entry {
     }
 }
 
+/// Returns the ranges of the operating conditions that differ from rig to rig.
+fn scattered_conditions(controlled: &Controlled, terminal: &Terminal) -> String {
+    let range = |of: fn(&RigVerdict) -> f64| {
+        let values = controlled.rigs.iter().map(of);
+        let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
+        values.fold([low, high], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+    };
+    let [volt_min, volt_max] = range(|rig| rig.supply_voltage_v);
+    let [celsius_min, celsius_max] = range(|rig| rig.coil_temperature_c);
+    let conditions = controlled.scenario.conditions;
+    if conditions.supply.is_some() && conditions.coil_temperature_c.is_some() {
+        return String::new();
+    }
+    let bench_v = controlled.scenario.scenario.plant.ecu.supply_voltage_v;
+    paragraph(
+        &format!(
+            "Supply voltage {volt_min:.1} to {volt_max:.1} V, coils at {celsius_min:.0} to {celsius_max:.0} °C; \
+             `--supply-voltage {bench_v} --coil-temperature {REFERENCE_TEMPERATURE_C}` gives every rig the conditions of \
+             the bench."
+        ),
+        terminal,
+    )
+}
+
 /// Returns the results of the checks over all rigs.
 fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     let count = controlled.rigs.len();
     let mut text = title(&format!("{count} rigs scattered about the plant"), terminal);
+    text += &scattered_conditions(controlled, terminal);
     let mut table = Table::new(
         [
             ("worst of a rig", Align::Left),
@@ -264,7 +372,7 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
             (false, false) => Colour::Notice,
         };
         table.row([
-            in_short(id).into(),
+            in_short(id, &controlled.scenario.requirements.requirement).into(),
             quantile(0.5).into(),
             quantile(0.9).into(),
             quantile(1.0).into(),
@@ -276,19 +384,47 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     if let Some(rig) = controlled.rigs.iter().find(|rig| !rig.verdict.holds) {
         text += &paragraph(
             &format!(
-                "Rig {} (seed {}) is the first that fails.",
-                rig.rig, rig.seed
+                "Rig {} (seed {}) is the first that fails: {:.1} V, coils at {:.0} °C{}.",
+                rig.rig,
+                rig.seed,
+                rig.supply_voltage_v,
+                rig.coil_temperature_c,
+                match faults_of(&rig.verdict).as_str() {
+                    "" => String::new(),
+                    faults => format!("; the ECU confirmed {faults}"),
+                }
             ),
+            terminal,
+        );
+    }
+    let with_fault = controlled
+        .rigs
+        .iter()
+        .filter(|rig| !faults_of(&rig.verdict).is_empty());
+    let with_fault = with_fault.count();
+    if with_fault > 0 {
+        text += &paragraph(
+            &format!("The ECU confirmed a fault on {with_fault} of {count} rigs."),
             terminal,
         );
     }
     text
 }
 
+/// Returns the names of the confirmed faults; empty if there are none.
+fn faults_of(verdict: &Verdict) -> String {
+    let faults = verdict.confirmed_faults.as_deref().unwrap_or_default();
+    let names: Vec<&str> = faults.iter().map(|fault| fault.fault.as_str()).collect();
+    names.join(", ")
+}
+
 /// Returns the verdict as a sentence; with several runs it begins with the name of the run.
 pub(super) fn answer(controlled: &Controlled, name: Option<&str>, terminal: &Terminal) -> String {
-    let mut sentence =
-        name.map(|name| format!("{name}: ")).unwrap_or_default() + &sentence(&controlled.verdict);
+    let mut sentence = name.map(|name| format!("{name}: ")).unwrap_or_default()
+        + &sentence(
+            &controlled.verdict,
+            &controlled.scenario.requirements.requirement,
+        );
     if !controlled.rigs.is_empty() {
         sentence += &format!(
             " {} of {} rigs meet every binding requirement.",
@@ -304,12 +440,12 @@ pub(super) fn answer(controlled: &Controlled, name: Option<&str>, terminal: &Ter
     painted_paragraph(colour, &sentence, terminal)
 }
 
-fn sentence(verdict: &Verdict) -> String {
+fn sentence(verdict: &Verdict, requirement: &Requirement) -> String {
     let failing: Vec<String> = verdict
         .checks
         .iter()
         .filter(|check| check.binding && !check.holds)
-        .map(|check| in_short(check.id))
+        .map(|check| in_short(check.id, requirement))
         .collect();
     if verdict.holds {
         "The loop meets every binding requirement.".to_owned()
@@ -317,6 +453,10 @@ fn sentence(verdict: &Verdict) -> String {
         "No verdict: no step of the reference lasts T_req, so no requirement was checked."
             .to_owned()
     } else {
-        format!("The loop fails: {}.", failing.join(", "))
+        let faults = match faults_of(verdict).as_str() {
+            "" => String::new(),
+            faults => format!(" The ECU confirmed {faults}."),
+        };
+        format!("The loop fails: {}.{faults}", failing.join(", "))
     }
 }

@@ -2,7 +2,8 @@
 
 use std::io::Write as _;
 
-use ecu::calibration::{Setting, SettingId};
+use controller::SettingSpec;
+use ecu::calibration::SettingId;
 use hil_harness::signals;
 
 use super::number::{or_dash, value};
@@ -188,7 +189,7 @@ pub(super) fn settings(settings: &Settings, terminal: &Terminal) -> String {
     }
     text += "\n";
     for (id, value) in &settings.rows {
-        let assignment = format!("{} = {value}", id.setting().name);
+        let assignment = format!("{} = {value}", id.spec().name);
         let meaning = terminal.paint(Colour::Faint, &meaning(*id));
         text += &format!("{assignment:40}  {meaning}\n");
     }
@@ -196,9 +197,14 @@ pub(super) fn settings(settings: &Settings, terminal: &Terminal) -> String {
 }
 
 fn meaning(id: SettingId) -> String {
-    let Setting { unit, choices, .. } = id.setting();
+    let SettingSpec {
+        unit,
+        range: [min, max],
+        choices,
+        ..
+    } = id.spec();
     match choices.is_empty() {
-        true => (*unit).to_owned(),
+        true => format!("{min} to {max} {unit}"),
         false => choices.join(", "),
     }
 }

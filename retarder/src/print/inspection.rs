@@ -9,6 +9,7 @@ use super::number::{or_dash, significant};
 use super::table::{Align, Table, painted};
 use super::{Colour, Terminal, indented, paragraph, title};
 use crate::cli::{SKIPPED_MAX, reference_name};
+use crate::input::is_standard_input;
 use crate::run::inspect::Inspected;
 use crate::shell::quoted;
 
@@ -183,9 +184,15 @@ fn next(inspected: &Inspected, path: &Path, log: &Inspection) -> String {
         .map_or_else(String::new, |path| {
             format!(" --mapping {}", quoted(&path.display().to_string()))
         });
-    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    let stem = match is_standard_input(path) {
+        true => "log".into(),
+        false => path
+            .file_stem()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy(),
+    };
     let out = args.out.as_ref().map_or_else(
-        || format!("{}-columns.toml", stem.to_string_lossy()),
+        || format!("{stem}-columns.toml"),
         |out| out.display().to_string(),
     );
     let out = quoted(&out);

@@ -1,5 +1,6 @@
 //! Lists of parameters and settings.
 
+use controller::SettingSpec;
 use hil_harness::controller_file::{self, KEYS};
 use model_lab::diagnosis::{Known, known};
 use plant_sim::PlantParameters;
@@ -17,6 +18,7 @@ pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
         if spec.section != section {
             section = spec.section;
             text += &format!("\n[{section}]\n");
+            text += &own_effect(spec, &plant.parameters, terminal);
         }
         text += &parameter(spec, plant, terminal);
     }
@@ -27,6 +29,18 @@ pub(super) fn parameters(plant: &NamedPlant, terminal: &Terminal) -> String {
         terminal,
     );
     text + "A file to start from: retarder parameters --toml > my-plant.toml\n"
+}
+
+/// Returns the sentence, the law and the source of the user's own effect that `spec` belongs to; empty for any other.
+fn own_effect(spec: &ParameterSpec, plant: &PlantParameters, terminal: &Terminal) -> String {
+    let effect = spec.effect_id().and_then(|id| plant.candidate(id));
+    let Some(effect) = effect.filter(|effect| effect.definition_toml().is_some()) else {
+        return String::new();
+    };
+    let about = effect.about();
+    let law = about.variants[0].about;
+    let words = format!("{} Law: {law}. Source: {}.", about.sentence, about.source);
+    indented(&words, 4, terminal)
 }
 
 fn parameter(spec: &ParameterSpec, plant: &NamedPlant, terminal: &Terminal) -> String {
@@ -61,19 +75,20 @@ pub(super) fn settings(controller: &NamedController, terminal: &Terminal) -> Str
     let mut text = title(&format!("Settings of the {}", controller.name), terminal);
     let file = controller_file::write(&controller.settings);
     let mut table = "";
-    for key in KEYS {
+    for key in KEYS.iter() {
         if key.table != table {
             table = key.table;
             text += &format!("\n[{table}]\n");
         }
         let found = value_in(&file, key.table, key.name);
         let assignment = format!("{} = {}", key.name, found.unwrap_or("-"));
-        let note = if found.is_some() {
-            ""
-        } else {
-            "not used by this controller"
+        let SettingSpec { range, unit, .. } = key.spec();
+        let note = match (found, range) {
+            (None, _) => "not used by this controller".to_owned(),
+            (Some(_), [min, max]) if min < max => format!("{min} to {max} {unit}"),
+            (Some(_), _) => String::new(),
         };
-        text += &entry(&assignment, note, key.about, terminal);
+        text += &entry(&assignment, &note, key.about, terminal);
     }
     text + "\nA file to start from: retarder settings --toml > my-controller.toml\n"
 }

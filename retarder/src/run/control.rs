@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use hil_harness::rigs::{self, RigError, RigVerdict};
-use hil_harness::{Requirement, Run, Verdict, run_in_process};
+use hil_harness::{ConditionScatter, OperatingConditions, Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -30,12 +30,13 @@ pub(crate) fn run(
     rigs: u32,
     is_interrupted: &AtomicBool,
 ) -> Result<Controlled, Failure> {
-    let requirement = Requirement::THESIS;
+    let requirement = scenario.requirements.requirement;
     let run = run_in_process(&scenario.scenario)?;
     interrupt::check(is_interrupted)?;
     let verdict = run.verdict(&requirement)?;
     let progress = Progress::of_count("rigs", rigs.into());
-    let rigs = rigs::verdicts(&scenario.scenario, &requirement, rigs);
+    let scatter = scatter(&scenario);
+    let rigs = rigs::verdicts_in_operation(&scenario.scenario, &requirement, rigs, scatter);
     let rigs = until_interrupted(rigs.inspect(|_| progress.step()), is_interrupted)?;
     Ok(Controlled {
         scenario,
@@ -44,6 +45,21 @@ pub(crate) fn run(
         device: None,
         rigs,
     })
+}
+
+/// Returns the scatter of the operating conditions that were not given.
+fn scatter(scenario: &NamedScenario) -> ConditionScatter {
+    let vehicle = ConditionScatter::vehicle(&scenario.scenario.plant);
+    let OperatingConditions {
+        supply,
+        coil_temperature_c,
+    } = scenario.conditions;
+    ConditionScatter {
+        supply_voltage_v: vehicle.supply_voltage_v.filter(|_| supply.is_none()),
+        coil_temperature_c: vehicle
+            .coil_temperature_c
+            .filter(|_| coil_temperature_c.is_none()),
+    }
 }
 
 /// Collects all verdicts, unless `is_interrupted` ends it before the next rig.
@@ -71,13 +87,13 @@ impl Controlled {
 }
 
 /// Name and version of the JSON form of [`Rigs`].
-pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/1";
+pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/2";
 
 /// Closed loop on many rigs.
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rigs<'a> {
-    /// Name and version of this format, `retarder.rigs/1`.
+    /// Name and version of this format, `retarder.rigs/2`.
     pub(crate) schema: &'static str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,
@@ -85,6 +101,8 @@ pub(crate) struct Rigs<'a> {
     pub(crate) plant: &'a str,
     /// The controller.
     pub(crate) controller: &'a str,
+    /// File of the requirements; `the thesis` for the default.
+    pub(crate) requirements: &'a str,
     /// Seed of sensor noise and rigs.
     pub(crate) seed: u64,
     /// Whether every binding check passes on the plant and on every rig.
@@ -105,6 +123,10 @@ pub(crate) struct Rig<'a> {
     pub(crate) rig: u32,
     /// Seed of the rig.
     pub(crate) seed: u64,
+    /// Supply voltage (V); at time 0, if it changes.
+    pub(crate) supply_voltage_v: f64,
+    /// Temperature of the coils (°C); at the start, if it changes.
+    pub(crate) coil_temperature_c: f64,
     /// Verdict on the loop with this rig.
     pub(crate) verdict: &'a Verdict,
 }
@@ -122,6 +144,7 @@ impl Controlled {
             scenario: &self.scenario.scenario.name,
             plant: &self.scenario.plant,
             controller: &self.scenario.controller,
+            requirements: &self.scenario.requirements.name,
             seed: self.scenario.scenario.seed,
             holds: self.holds(),
             rigs_that_hold: self.rigs_that_hold(),
@@ -132,6 +155,8 @@ impl Controlled {
                 .map(|rig| Rig {
                     rig: rig.rig,
                     seed: rig.seed,
+                    supply_voltage_v: rig.supply_voltage_v,
+                    coil_temperature_c: rig.coil_temperature_c,
                     verdict: &rig.verdict,
                 })
                 .collect(),
@@ -144,6 +169,7 @@ mod tests {
     use std::sync::atomic::Ordering;
 
     use super::*;
+    use hil_harness::Requirement;
 
     #[test]
     fn a_batch_of_rigs_ends_where_it_is_interrupted() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use hil_harness::run::Moment;
-use hil_harness::{Requirement, Verdict, run_in_process, run_watched};
+use hil_harness::{Verdict, run_in_process, run_watched};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -45,7 +45,7 @@ pub(crate) fn run(task: Task, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Cont
     // Ctrl-C also reaches the emulator: an error after it is the requested interruption.
     interrupt::check(is_interrupted)?;
     let run = watched?;
-    let verdict = run.verdict(&Requirement::THESIS)?;
+    let verdict = run.verdict(&task.scenario.requirements.requirement)?;
     let difference = run_in_process(scenario)?.first_difference(&run);
     Ok(Controlled {
         device: Some(DeviceReport {

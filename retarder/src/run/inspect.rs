@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use recording::csv::Mapping;
-use recording::{Inspection, inspect_file};
+use recording::{Inspection, inspect_file, inspect_named_file};
 
 use super::Answer;
 use crate::cli::InspectArgs;
@@ -25,14 +25,25 @@ pub(crate) fn run(args: InspectArgs) -> Result<Inspected, Failure> {
         Some(path) => Some(input::read_text(path)?),
         None => None,
     };
-    let mut logs = Vec::new();
+    let mut logs: Vec<(PathBuf, Inspection)> = Vec::new();
     for path in &args.paths {
-        if path == Path::new("-") {
-            return Err(Failure::InspectStandardInput);
-        }
-        exchanged::refuse_as_log(path)?;
         let _progress = Progress::of_unknown_length("reading");
-        let inspection = inspect_file(path, &options, given.as_deref())?;
+        let inspection = if input::is_standard_input(path) {
+            if logs.iter().any(|(other, _)| other == path) {
+                return Err(Failure::StandardInputTwice);
+            }
+            let kept = input::kept_standard_input();
+            let kept = kept.map_err(|error| Failure::KeepStandardInput { error })?;
+            inspect_named_file(
+                input::STANDARD_INPUT,
+                kept.path(),
+                &options,
+                given.as_deref(),
+            )?
+        } else {
+            exchanged::refuse_as_log(path)?;
+            inspect_file(path, &options, given.as_deref())?
+        };
         logs.push((path.clone(), inspection));
     }
     let inspected = Inspected { args, logs };

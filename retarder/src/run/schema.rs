@@ -5,6 +5,7 @@ use model_lab::Comparison;
 use model_lab::diagnosis::next_experiment::{DeterminingExperiment, NextExperiment};
 use model_lab::diagnosis::{Diagnosis, Estimation, Refinement};
 use model_lab::thesis::{Explanation, ThesisTable};
+use recording::InspectedLogs;
 use schemars::{Schema, schema_for};
 
 use super::black_box::BlackBox;
@@ -22,6 +23,7 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::Device => schema_for!(Device),
         SchemaName::Diagnosis => Diagnosis::json_schema(),
         SchemaName::Estimation => Estimation::json_schema(),
+        SchemaName::Inspection => schema_for!(InspectedLogs),
         SchemaName::Refinement => Refinement::json_schema(),
         SchemaName::DeterminingExperiment => DeterminingExperiment::json_schema(),
         SchemaName::NextExperiment => NextExperiment::json_schema(),

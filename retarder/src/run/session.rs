@@ -1,6 +1,6 @@
 //! Report of a whole session: logs, comparisons, diagnosis, and the loop on the plant as given and as refined.
 
-use hil_harness::Scenario;
+use hil_harness::{OperatingConditions, Scenario};
 use model_lab::CompareOptions;
 use plant_sim::PlantParameters;
 use report::Input;
@@ -11,7 +11,7 @@ use super::control::{self, Controlled};
 use super::diagnose::{self, Diagnosed};
 use crate::cli::ReportPart;
 use crate::failure::Failure;
-use crate::input::{NamedController, NamedPlant, NamedScenario};
+use crate::input::{self, NamedController, NamedPlant, NamedRequirement, NamedScenario};
 use crate::interrupt;
 
 /// Contents of the report.
@@ -21,6 +21,8 @@ pub(crate) struct Task {
     pub(crate) controller: NamedController,
     pub(crate) scenario: Scenario,
     pub(crate) rigs: u32,
+    pub(crate) conditions: OperatingConditions,
+    pub(crate) requirements: NamedRequirement,
     pub(crate) without: Vec<ReportPart>,
 }
 
@@ -44,11 +46,14 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         controller,
         scenario,
         rigs,
+        conditions,
+        requirements,
         without,
     } = task;
     let is_interrupted = interrupt::flag()?;
     let plant = subject.plant.clone();
-    let inputs = inputs(&subject, &controller);
+    let mut inputs = inputs(&subject, &controller);
+    inputs.extend(requirements.input());
     let compared = subject
         .logs
         .iter()
@@ -70,14 +75,17 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         match plant.clone().whole() {
             Ok(whole) => {
                 let on = |name: String, parameters: PlantParameters| {
+                    let scenario = scenario
+                        .clone()
+                        .on(parameters)
+                        .controlled_by(controller.settings);
                     let scenario = NamedScenario {
                         plant: name,
                         controller: controller.name.clone(),
                         inputs: Vec::new(),
-                        scenario: scenario
-                            .clone()
-                            .on(parameters)
-                            .controlled_by(controller.settings),
+                        scenario: input::under(conditions, scenario)?,
+                        conditions,
+                        requirements: requirements.clone(),
                     };
                     control::run(scenario, rigs, is_interrupted)
                 };

@@ -80,6 +80,27 @@ fn the_logs_of_other_loggers_come_in_with_one_answer() {
 }
 
 #[test]
+fn the_standard_input_is_inspected_like_a_file() {
+    let bench = Bench::new();
+    german(&bench, "bench.csv", "barü");
+    let of_file = bench.run(&["inspect", "bench.csv", "--json"]).ended_with(0);
+    let ran = bench.run_reading(&["inspect", "-", "--json"], "bench.csv");
+    assert_eq!(
+        ran.ended_with(0),
+        of_file.replace("bench.csv", "standard input")
+    );
+    let ran = bench.run_reading(&["inspect", "-"], "bench.csv");
+    assert_contains(
+        &ran.ended_with(0),
+        &["  retarder inspect - --out log-columns.toml\n"],
+    );
+    let ran = bench.run_reading(&["inspect", "-", "-"], "bench.csv");
+    assert_eq!(ran.status, 2);
+    assert_contains(&ran.err, &["standard input is read once"]);
+    assert_eq!(bench.files(), ["bench.csv"]);
+}
+
+#[test]
 fn a_file_that_needs_no_mapping_says_so_and_leaves_no_file() {
     let bench = Bench::new();
     bench.file(

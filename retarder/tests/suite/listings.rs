@@ -69,7 +69,7 @@ fn a_printed_controller_file_is_a_controller_file_and_every_setting_is_listed() 
         let out = bench
             .run(&["settings", "--controller", "controller.toml"])
             .ended_with(0);
-        for key in hil_harness::controller_file::KEYS {
+        for key in hil_harness::controller_file::KEYS.iter() {
             assert_contains(
                 &out,
                 &[

@@ -1,4 +1,4 @@
-//! Logs and recordings as MF4 in every place that accepts CSV.
+//! Logs and recordings as MF4, Parquet and MATLAB in every place that accepts CSV.
 
 use std::fs::File;
 
@@ -34,6 +34,46 @@ fn a_log_gives_the_same_rows_in_either_format_and_from_the_standard_input() {
         .output()
         .unwrap();
     assert_eq!(rows(&String::from_utf8(output.stdout).unwrap()), rows(&csv));
+}
+
+/// A recording that `simulate` wrote in one format is a log for `simulate` in another.
+#[test]
+fn parquet_and_matlab_are_written_and_read_like_csv() {
+    let bench = bench();
+    let rows = |text: &str| text.split_once("time_s").unwrap().1.to_owned();
+    let csv = bench.run(&["simulate", "--log", "log.csv"]).ended_with(0);
+    for name in ["model.parquet", "model.mat"] {
+        let ran = bench.run(&["simulate", "--log", "log.csv", "--out", name]);
+        assert_contains(&ran.err, &[&format!("Written: {name}")]);
+        ran.ended_with(0);
+        let again = bench.run(&["simulate", name]).ended_with(0);
+        assert_eq!(
+            rows(&again).lines().count(),
+            rows(&csv).lines().count(),
+            "{name}"
+        );
+        let out = bench.run(&["inspect", name]).ended_with(0);
+        assert_contains(&out, &["The file needs no mapping.", "p_ch_bar_gauge"]);
+        let piped = bench.run_reading(&["compare", "-", "--json"], name).out;
+        let json = bench.run(&["compare", name, "--json"]).out;
+        let signals = |text: &str| text.split_once("\"signals\"").unwrap().1.to_owned();
+        assert_eq!(signals(&piped), signals(&json), "{name}");
+        assert_contains(&json, &["\"rms\": 0.0"]);
+        let wrong = bench.run(&["compare", "--plant", name]);
+        assert_contains(
+            &wrong.err,
+            &["expects a plant file (TOML), and this is a log"],
+        );
+    }
+    let run = |out: &str| bench.run(&["control", "--scenario", "figure-6.5", "--out", out]);
+    run("run.parquet");
+    run("run.csv");
+    let options = recording::LogOptions::default();
+    let [parquet, csv] = ["run.parquet", "run.csv"]
+        .map(|name| recording::read_log_file(bench.path(name), &options).unwrap());
+    assert_eq!(parquet.signals(), csv.signals());
+    let refused = bench.run(&["blackbox", "--dut", "in-process", "--out", "box.mat"]);
+    assert_contains(&refused.err, &["choose a name that ends in .csv"]);
 }
 
 /// MF4 values are not rounded to decimals as in CSV: the comparison uses the model's exact values.

@@ -205,6 +205,14 @@ fn controller_files_with_the_line_and_a_mark() {
         &["control", "--controller", "broken.toml"],
         &["broken.toml:1", "not valid TOML"],
     );
+    // Defect seen: a misspelt bundled controller was a missing file.
+    check(
+        &bench,
+        &["control", "--controller", "pulse"],
+        &[
+            "--controller pulse: there is no such file, and the bundled controllers are thesis, recommended, pulses",
+        ],
+    );
 }
 
 #[test]

@@ -58,6 +58,12 @@ impl Bench {
         command
     }
 
+    /// Runs the command with the file `name` as its standard input.
+    pub(crate) fn run_reading(&self, arguments: &[&str], name: &str) -> Ran {
+        let input = fs::File::open(self.path(name)).unwrap();
+        Ran::of(self.command(arguments).stdin(input).output().unwrap())
+    }
+
     pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
         Ran::of(self.command(arguments).output().unwrap())
     }

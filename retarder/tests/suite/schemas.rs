@@ -8,13 +8,14 @@ use serde_json::Value;
 use crate::runner::{Bench, data};
 
 /// Results, those of the commands that run here first.
-const RESULTS: [&str; 13] = [
+const RESULTS: [&str; 14] = [
     "black-box",
     "comparison",
     "control",
     "device",
     "next-experiment",
     "determining-experiment",
+    "inspection",
     "rigs",
     "simulation",
     "thesis",
@@ -62,7 +63,7 @@ pub(crate) fn keep_example(result: &str, json: &Value) {
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 10] = [
+    let runs: [&[&str]; 11] = [
         &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
@@ -87,6 +88,12 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
             "5",
             "--json",
         ],
+        &[
+            "inspect",
+            &log,
+            &data("unknown/german-logger.csv"),
+            "--json",
+        ],
         &["control", "--rigs", "1", "--json"],
         &["simulate", "--log", &log, "--out", "model.csv", "--json"],
         &["thesis", "--json"],
@@ -101,7 +108,7 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
 #[test]
 fn examples_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
-    for result in &RESULTS[10..] {
+    for result in &RESULTS[11..] {
         let path = published(result).with_extension("example.json");
         let json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
         check(&bench, result, &json);

@@ -108,6 +108,7 @@ fn damage(file: &mut File, chance: &mut Chance) -> &'static str {
         ],
         Role::Project if file.path.extension().is_none() => &[(&bytes::ANY, 1)],
         Role::Mf4Log => &[(&bytes::MF4, 4), (&bytes::ANY, 1)],
+        Role::TableLog => &[(&bytes::ANY, 1)],
         Role::Mapping | Role::Plant | Role::Controller | Role::Project => &[
             (&text::NUMBER, 6),
             (&text::KEYS, 2),
@@ -179,6 +180,7 @@ mod tests {
             text::TABLE.len() + text::NUMBER.len() + text::ANY.len() + bytes::ANY.len()
         );
         assert_eq!(ways(Role::Mf4Log), bytes::MF4.len() + bytes::ANY.len());
+        assert_eq!(ways(Role::TableLog), bytes::ANY.len());
         for role in [Role::Mapping, Role::Plant, Role::Controller] {
             assert_eq!(
                 ways(role),

@@ -21,6 +21,8 @@ pub enum Role {
     Log,
     /// Bench log, MF4.
     Mf4Log,
+    /// Bench log, Parquet or MATLAB.
+    TableLog,
     /// Mapping of the columns or channels of a log.
     Mapping,
     /// Plant file.
@@ -73,9 +75,10 @@ impl Bench {
         self.files.iter().find(|file| file.role == role)
     }
 
-    /// Returns the log, CSV or MF4.
+    /// Returns the log, in any format.
     pub fn log(&self) -> Option<&File> {
-        self.file(Role::Log).or_else(|| self.file(Role::Mf4Log))
+        let roles = [Role::Log, Role::Mf4Log, Role::TableLog];
+        roles.into_iter().find_map(|role| self.file(role))
     }
 }
 
@@ -228,6 +231,10 @@ pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
         let bytes = read(&format!("recording/tests/fixtures/mf4/{name}.mf4"))?;
         Ok::<_, OriginalsError>(File::new(Role::Mf4Log, bytes))
     };
+    let table = |name: &str| {
+        let bytes = read(&format!("recording/tests/fixtures/table/{name}"))?;
+        Ok::<_, OriginalsError>(File::new(Role::TableLog, bytes))
+    };
     let mut effects = whole("every effect", log(rows(PRACTICE, 380, 100)?), None);
     effects.files[1] = File::new(Role::Plant, with_every_effect());
     effects.files[2] = controller("thesis")?;
@@ -246,6 +253,14 @@ pub fn benches() -> Result<Vec<Bench>, OriginalsError> {
             Some(FOREIGN_MAPPING),
         ),
         whole("practice as MF4", as_mf4("practice", &practice)?, None),
+        whole("Parquet", table("pyarrow-zstd-pages.parquet")?, None),
+        whole(
+            "Parquet with dates",
+            table("pyarrow-timestamps.parquet")?,
+            None,
+        ),
+        whole("MATLAB v7", table("scipy-v7.mat")?, None),
+        whole("MATLAB v7.3", table("hdf5storage-v7.3.mat")?, None),
         effects,
         whole("scope", log(scope.clone()), None),
         whole("scope as MF4", as_mf4("scope", &scope)?, None),
@@ -419,6 +434,7 @@ pub fn name_of(role: Role) -> &'static Path {
     Path::new(match role {
         Role::Log => "log.csv",
         Role::Mf4Log => "log.mf4",
+        Role::TableLog => "log.columns",
         Role::Mapping => "mapping.toml",
         Role::Plant => "plant.toml",
         Role::Controller => "controller.toml",

@@ -13,18 +13,29 @@ use serde::{Deserialize, Serialize};
 
 use super::experiment_limits::RequestedLimits;
 use super::{Begun, Shared, begin_job, session};
+use crate::effects::{self, EffectView};
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
 use crate::session::{Session, Sessions};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
+        .route("/sessions/{session}/effects", get(list_effects))
         .route("/sessions/{session}/diagnose", post(begin))
         .route("/sessions/{session}/diagnosis", get(result))
         .route("/sessions/{session}/diagnosis/json", get(export_json))
         .route("/sessions/{session}/next-experiment", post(plan))
         .route("/sessions/{session}/next-experiment", get(planned))
         .route("/sessions/{session}/next-experiment/csv", get(export_csv))
+}
+
+/// Returns the effects that the plant of the session may have.
+async fn list_effects(
+    State(sessions): Shared,
+    Path(id): Path<String>,
+) -> Result<Json<Vec<EffectView>>, Refusal> {
+    let plant = session(&sessions, id)?.project().plant.parameters()?;
+    Ok(Json(effects::all(&plant)))
 }
 
 /// Begins a diagnosis; a running job of the same tab ends.
@@ -68,6 +79,8 @@ struct DiagnosisView {
     plant: String,
     /// Whether it is still the session's plant.
     is_of_plant: bool,
+    /// Whether it explains the error of the session's plant.
+    explains_plant: bool,
     chosen: Chosen,
     diagnosis: Diagnosis,
     /// Other explanations of each named effect, in words.
@@ -83,6 +96,7 @@ async fn result(
     let view = |found: Arc<Diagnosed>| DiagnosisView {
         plant: found.plant.name.clone(),
         is_of_plant: found.plant == session.project().plant,
+        explains_plant: found.explains(&session.project()),
         chosen: found.chosen.clone(),
         diagnosis: found.diagnosis.clone(),
         alternatives: found.diagnosis.alternatives(),

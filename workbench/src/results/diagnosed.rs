@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::next_experiment::{DeterminingExperiment, NextExperiment};
+use model_lab::diagnosis::result::Verdict;
 use serde::{Deserialize, Serialize};
 
 use crate::plant_file::PlantFile;
@@ -16,6 +17,28 @@ pub(crate) struct Diagnosed {
     pub(crate) diagnosis: Diagnosis,
     pub(crate) plant: PlantFile,
     pub(crate) chosen: Chosen,
+}
+
+impl Diagnosed {
+    /// Returns whether this diagnosis explains the error of the project's plant: nothing material remains, and the plant
+    /// is the diagnosed one, or has each named effect with values in the fitted intervals.
+    pub(crate) fn explains(&self, project: &Project) -> bool {
+        let diagnosis = &self.diagnosis;
+        let is_whole = matches!(diagnosis.verdict, Verdict::Found | Verdict::Adequate)
+            && !diagnosis.unexplained
+            && !diagnosis.adds_up;
+        let history = &project.history;
+        let is_ancestor = || {
+            let mut steps = history.steps().iter();
+            history.is_of(&project.plant) && steps.any(|step| step.plant == self.plant)
+        };
+        let has = |id: &String| {
+            let mut effects = history.now().effects.iter();
+            effects.any(|effect| effect.effect == *id && effect.is_as_fitted())
+        };
+        is_whole
+            && (self.plant == project.plant || is_ancestor() && diagnosis.effects.iter().all(has))
+    }
 }
 
 /// Experiment that determines parameters, with the plant that it was planned for.

@@ -51,7 +51,7 @@ export const post = (path, body) => request("POST", inSession(path), body ?? {})
 export const put = (path, body) => request("PUT", inSession(path), body);
 export const remove = (path) => request("DELETE", inSession(path));
 export const examples = () => request("GET", "/examples");
-export const effects = () => request("GET", "/effects");
+export const effects = () => get("/effects");
 export const address = (path) => `/api${inSession(path)}`;
 
 /** Sends a file; the server names it by its content. */

@@ -54,12 +54,36 @@ export async function draw(place, traces, plotLayout) {
   await library.react(place, traces, plotLayout, CONFIG);
 }
 
-/** Saves a chart as `png` or `svg`, at its displayed size. */
-export async function saveImage(place, format, name) {
+/** Height (px) of the title and the legend above a saved chart. */
+const HEAD = 46;
+
+/** Returns a chart with a title, and with a legend of its named traces, above the plots. */
+function withHead({ data, layout: shown }, title, height) {
+  const named = new Set();
+  const traces = data.map((trace) => {
+    const showlegend = Boolean(trace.name) && !named.has(trace.name);
+    named.add(trace.name);
+    return { ...trace, showlegend };
+  });
+  const margin = { ...shown.margin, t: shown.margin.t + HEAD };
+  const plotted = height - shown.margin.t - shown.margin.b;
+  return {
+    data: traces, config: CONFIG,
+    layout: {
+      ...shown, height: height + HEAD, margin, showlegend: true,
+      title: { text: label(title), font: { size: 13 }, x: 0, xref: "paper", y: 1, yref: "container", yanchor: "top", pad: { t: 6 } },
+      legend: { orientation: "h", x: 0, y: 1 + (shown.margin.t - 2) / plotted, yanchor: "bottom", font: { size: 11 }, bgcolor: "rgba(0, 0, 0, 0)" },
+    },
+  };
+}
+
+/** Saves a chart as `png` or `svg`, at its displayed size, with a title and a legend. */
+export async function saveImage(place, format, name, title) {
   const library = await plotly();
   const { width, height } = place.getBoundingClientRect();
-  const svg = await library.toImage(place, { format: "svg", width, height });
-  save(`${name}.${format}`, format === "svg" ? svg : await painted(svg, width, height));
+  const size = { width, height: height + HEAD };
+  const svg = await library.toImage(withHead(place, title, height), { format: "svg", ...size });
+  save(`${name}.${format}`, format === "svg" ? svg : await painted(svg, size.width, size.height));
 }
 
 /**

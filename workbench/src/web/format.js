@@ -1,5 +1,8 @@
 // Formats of numbers and names.
 
+/** Largest number of signals that the name of a file lists. */
+const SIGNALS_MAX = 4;
+
 /** Formats a number with this many significant digits, without an exponent if possible. */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
@@ -26,10 +29,15 @@ export function percent(share) {
 /** Formats an interval of time in a suitable unit. */
 export function duration(seconds) {
   if (seconds === null || seconds === undefined) return "–";
-  if (seconds < 1e-3) return `${number(1e6 * seconds, 3)} µs`;
   if (seconds < 1) return `${number(1e3 * seconds, 3)} ms`;
   if (seconds < 600) return `${number(seconds, 4)} s`;
   return `${number(seconds / 60, 4)} min`;
+}
+
+/** Returns the name of a file, without extension, from its parts: log, plant, signals. */
+export function fileName(...parts) {
+  const words = (part) => Array.isArray(part) && part.length > SIGNALS_MAX ? `${part.length} signals` : [part].flat().join(" ");
+  return parts.map(words).map((part) => part.replace(/[^\p{L}\p{N}_+−]+/gu, "-").replace(/^-|-$/g, "")).filter(Boolean).join("_");
 }
 
 /** Formats a unit for display: m² for m2. */

@@ -2,11 +2,17 @@
 
 import { axis, clear, draw, label, layout, plotly } from "./chart.js";
 import { button, element, showProblems } from "./dom.js";
+import { menu } from "./menu.js";
 import { colour } from "./theme.js";
 import * as view from "./view.js";
 
 const MARGIN = { l: 64, r: 14, t: 28, b: 44 };
 const GAP = 29;
+/** Names of the roles in a legend. */
+export const NAMES = {
+  measured: "measured", model: "modelled", residual: "measured − modelled", fill: "fill valve", vent: "vent valve", tolerance: "tolerance",
+  noise: "±2 σ of the noise", limit: "rms limit",
+};
 /** Idle time (ms) after an input before the traces are fetched again; until then only the axes follow. */
 const REST = 120;
 
@@ -33,7 +39,7 @@ export class TimeView {
       button("◀", () => this.move(-0.25), { title: "Earlier (←)", "aria-label": "Earlier" }),
       button("▶", () => this.move(0.25), { title: "Later (→)", "aria-label": "Later" }),
       button(whole, () => this.look(null, null), { title: "Home", id: "whole" }),
-      element("details", { class: "menu" }, element("summary", {}, "Export"), exports));
+      menu("Export", exports, { id: "export" }));
   }
 
   leave() {
@@ -134,9 +140,9 @@ export class TimeView {
     this.watchLibrary();
   }
 
-  /** Returns a trace as a line. */
+  /** Returns a trace as a line; its name is that of its role. */
   line(trace, yaxis, role, more = {}) {
-    return { x: trace.t, y: trace.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
+    return { name: NAMES[role], x: trace.t, y: trace.y, xaxis: "x", yaxis, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width: 1.4, ...more } };
   }
 
   /** Returns a range around the visible values of the traces, with a margin; it also includes `values`. */

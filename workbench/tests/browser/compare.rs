@@ -1,5 +1,7 @@
 //! Workflow of a new user: a log is dropped, compared, examined, marked, exported, and shared as a link.
 
+use std::collections::BTreeSet;
+
 use serde_json::json;
 
 use crate::driver::{Person, with_browser};
@@ -28,7 +30,7 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
         person.compare("practice-01-id.csv").await;
         let verdict = person.text("#verdict").await;
         assert!(
-            verdict.contains("outside tolerance") && verdict.contains("p_ch"),
+            verdict.contains("unexplained") && verdict.contains("p_ch"),
             "{verdict}"
         );
         person.picture("compare").await;
@@ -93,7 +95,13 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
         person.until("saved.length === 12").await;
         let saved: Vec<(String, String)> =
             serde_json::from_value(person.run("return saved").await).unwrap();
-        for (name, url) in saved {
+        let names: BTreeSet<_> = saved.iter().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), 12, "{names:?}");
+        for (name, url) in &saved {
+            assert!(
+                name.starts_with("practice-01-id-csv_nominal-plant-toml_"),
+                "{name}"
+            );
             let begin = match name.rsplit('.').next().unwrap() {
                 "png" => "data:image/png;base64,",
                 "svg" => "data:image/svg+xml,",
@@ -107,11 +115,62 @@ fn a_dropped_log_is_compared_and_looked_at_from_all_sides() {
             );
         }
 
+        // An image has log, plant and signals in its title, and a legend of its lines.
+        let drawn = "return decodeURIComponent(saved.find(([name]) => /_p_ch-.*svg$/.test(name) || /_\\d-signals.svg$/.test(name))[1])";
+        let drawn = person.run(drawn).await;
+        for part in [
+            "practice-01-id.csv, plant nominal-plant.toml: ",
+            "measured − modelled",
+            ">modelled<",
+            ">fill valve<",
+        ] {
+            assert!(drawn.as_str().unwrap().contains(part), "{part}");
+        }
+
         person.click("#theme").await;
         person
             .until("document.documentElement.dataset.theme === 'dark'")
             .await;
         person.picture("compare-dark").await;
+        person.assert_nothing_was_refused().await;
+    });
+}
+
+/// Waits for the card of a log and asserts that it has a gauge pressure.
+async fn assert_pressure_is_read(person: &Person) {
+    person
+        .until("document.querySelector('.log .signals')")
+        .await;
+    let chips = person.text(".log .signals").await;
+    assert!(
+        chips.contains("p_ch") && chips.contains("bar gauge"),
+        "{chips}"
+    );
+}
+
+#[test]
+fn an_unknown_log_opens_with_its_inspection_and_one_answer_makes_it_a_log() {
+    with_browser(async |person| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../data/unknown/german-logger.csv");
+        person
+            .drop_bytes("german.csv", &std::fs::read(path).unwrap())
+            .await;
+        person
+            .until("document.querySelector('.inspection tbody tr')")
+            .await;
+        let shown = person.text(".inspection").await;
+        assert!(
+            shown.contains("name contains") && shown.contains("neither gauge nor absolute"),
+            "{shown}"
+        );
+        person.picture("inspection").await;
+        // The form below has the same guesses.
+        let guessed = "[...document.querySelectorAll('.mapping .form [aria-label^=signal]')].map((one) => one.value)";
+        let names = person.run(&format!("return {guessed}.join(' ')")).await;
+        assert!(names.as_str().unwrap().contains("p_ch"), "{names}");
+        person.click("[data-reference=gauge]").await;
+        assert_pressure_is_read(person).await;
         person.assert_nothing_was_refused().await;
     });
 }
@@ -135,14 +194,7 @@ fn a_log_without_header_is_explained_in_the_form_and_read() {
             )
             .await;
         person.click(".apply-mapping").await;
-        person
-            .until("document.querySelector('.log .signals')")
-            .await;
-        let chips = person.text(".log .signals").await;
-        assert!(
-            chips.contains("p_ch") && chips.contains("bar gauge"),
-            "{chips}"
-        );
+        assert_pressure_is_read(person).await;
         person.assert_nothing_was_refused().await;
     });
 }
@@ -247,5 +299,23 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         assert!((by - share * (seen.1 - seen.0)).abs() < 0.01, "{by}");
         assert_eq!(range(person).await, seen);
         assert_eq!(person.run("return window.refused").await, json!([]));
+    });
+}
+
+/// Defect seen: a problem in red stood above an inspection that had recognised every column.
+#[test]
+fn no_problem_stands_above_an_inspection_that_recognised_every_column() {
+    with_browser(async |person| {
+        let log = "Messung 12\nStand 3\nZeit (ms);Kammerdruck (barg);PWM fill (%);PWM vent (%)\n0;1,5;0;0\n10;1,6;50;0\n20;1,7;50;0\n30;1,8;50;0\n";
+        person.drop_files(&[("bench.csv", log)]).await;
+        person
+            .until("document.querySelector('.log .inspection tbody tr')")
+            .await;
+        let card = person.text(".log").await;
+        assert!(card.contains("All columns are recognised"), "{card}");
+        let red = "return document.querySelectorAll('.log.wrong, .log .problem').length";
+        assert_eq!(person.run(red).await, json!(0), "{card}");
+        person.click(".use-inspection").await;
+        assert_pressure_is_read(person).await;
     });
 }

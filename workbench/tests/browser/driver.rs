@@ -259,6 +259,17 @@ impl Person {
         keep(name, &png);
     }
 
+    /// Waits until the browser has drawn twice, so that observers of sizes have acted.
+    pub(crate) async fn draw(&self) {
+        let frames = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));";
+        self.client.execute_async(frames, vec![]).await.unwrap();
+    }
+
+    /// Saves an image of the visible part of the page.
+    pub(crate) async fn picture_of_window(&self, name: &str) {
+        keep(name, &self.client.screenshot().await.unwrap());
+    }
+
     /// Saves an image of a part of the page.
     pub(crate) async fn picture_of(&self, selector: &str, name: &str) {
         let part = self.client.find(Locator::Css(selector)).await.unwrap();

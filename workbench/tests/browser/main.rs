@@ -2,14 +2,17 @@
 //!
 //! Images are saved in the target folder, under `tmp/`.
 
+mod alignment;
 mod closer;
 mod compare;
 mod control;
 mod driver;
 mod figures;
 mod hostile;
+mod layout;
 mod long_log;
 mod newcomer;
 mod rates;
+mod reading;
 mod refine;
 mod tabs;

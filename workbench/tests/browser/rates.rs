@@ -86,7 +86,7 @@ fn every_signal_is_drawn_and_compared_at_its_own_instants() {
             person.compare(log).await;
             let verdict = person.text("#verdict").await;
             assert!(
-                verdict.contains("outside tolerance") && verdict.contains("p_ch"),
+                verdict.contains("unexplained") && verdict.contains("p_ch"),
                 "{verdict}"
             );
             person.fill("#cursor-a", "20").await;

@@ -276,7 +276,8 @@ fn a_profile_is_checked_and_kept_over_a_restart() {
     );
 }
 
-/// The rigs of a batch are those of `retarder control --rigs`, with the settling times of all steps.
+/// The rigs of a batch are those of `retarder control --rigs --supply-voltage 24 --coil-temperature 20`, with the settling
+/// times of all steps.
 #[test]
 fn a_batch_is_that_of_the_command_with_its_settling_times() {
     let bench = Bench::start();

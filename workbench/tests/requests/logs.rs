@@ -471,12 +471,85 @@ fn an_mf4_log_is_a_log_and_its_channels_can_be_chosen() {
     assert_eq!(log["problem"], Value::Null, "{log}");
     assert!(!log["summary"]["signals"].as_array().unwrap().is_empty());
     let preview = browser.get(&format!("{session}/logs/1/preview")).json();
-    let key = preview["channels"][0]["key"].as_str().unwrap();
-    assert!(key.starts_with("1/"), "{key}");
+    let inspection = &preview["inspection"];
+    assert_eq!(inspection["format"], "MF4", "{inspection}");
+    assert!(
+        inspection["columns"].as_array().unwrap().len() > 3,
+        "{inspection}"
+    );
     let traces = browser.get(&format!("{session}/logs/1/traces?points=300"));
     assert_eq!(traces.status, 200, "{traces:?}");
     let mf4 = browser.get(&format!("{session}/logs/1/mf4"));
     assert!(mf4.body.starts_with(b"MDF "), "{:?}", mf4.head);
+}
+
+/// The page has no table of its own: signals, units and reasons are those of `retarder inspect`.
+#[test]
+fn a_preview_has_the_inspection_with_the_reason_of_each_guess() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/unknown/german-logger.csv");
+    let bytes = std::fs::read(&path).unwrap();
+    browser.upload(&session, "german.csv", &bytes);
+    let preview = |query: &str| {
+        let answer = browser.get(&format!("{session}/logs/1/preview{query}"));
+        answer.json()["inspection"].clone()
+    };
+    let open = preview("");
+    assert_eq!(open["source"], "german.csv");
+    assert_eq!(
+        (&open["asks_reference"], &open["suggested"]),
+        (&json!(true), &json!("gauge"))
+    );
+    let columns = open["columns"].as_array().unwrap();
+    let pressure = columns
+        .iter()
+        .find(|column| column["signal"] == "p_ch")
+        .unwrap();
+    assert!(
+        pressure["reason"]
+            .as_str()
+            .unwrap()
+            .contains("name contains"),
+        "{pressure}"
+    );
+
+    let answered = preview("?pressure=gauge");
+    assert_eq!(answered["is_ready"], true, "{answered}");
+    let form = json!({"toml": answered["mapping"]});
+    let mapped = browser
+        .put(&format!("{session}/logs/1/mapping"), &form)
+        .json();
+    assert_eq!(mapped["logs"][0]["problem"], Value::Null, "{mapped}");
+    // A second inspection keeps the mapping and has nothing to add.
+    let again = preview("");
+    assert_eq!(
+        (&again["mapping"], &again["is_ready"]),
+        (&Value::Null, &json!(true)),
+        "{again}"
+    );
+}
+
+/// A header such as `p_ch [bar]` needs only its reference, which the mapping of the page states.
+#[test]
+fn the_answer_to_the_reference_is_written_into_the_mapping() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let log =
+        b"time_s,p_ch [bar],duty_fill_pct,duty_vent_pct\n0,3.5,0,0\n0.01,3.5,0,0\n0.02,3.5,0,0\n";
+    browser.upload(&session, "bar.csv", log);
+    let preview = browser.get(&format!("{session}/logs/1/preview?pressure=absolute"));
+    let inspection = &preview.json()["inspection"];
+    assert_eq!(inspection["mapping"], Value::Null, "{inspection}");
+    let form = json!({"toml": inspection["mapping_with_reference"]});
+    let mapped = browser
+        .put(&format!("{session}/logs/1/mapping"), &form)
+        .json();
+    let signals = &mapped["logs"][0]["summary"]["signals"];
+    assert_eq!(signals[0]["reference"], "absolute", "{mapped}");
 }
 
 /// A calculated channel is a signal like others, saved with the project and exported with the data.
@@ -525,7 +598,7 @@ fn calculated_channels_are_signals_of_every_log_that_has_what_they_need() {
             json!(7),
         ),
         (
-            json!([{"name": "x", "unit": "bar_diff", "formula": "sin(p_a)"}]),
+            json!([{"name": "x", "unit": "bar_diff", "formula": "sinus(p_a)"}]),
             1,
             json!(1),
         ),

@@ -197,7 +197,7 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_error() {
     let fitted = browser.get(&format!("{session}/refine?log=1")).json();
     assert_eq!(
         fitted["steps"][4]["done"],
-        "fitted chamber leak to bench.csv"
+        "fitted chamber leak and the ordinary parameters to bench.csv"
     );
     let area = &fitted["effects"][0]["parameters"][0];
     let [value, low, high] =
@@ -303,10 +303,19 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     assert_eq!(
         titles,
         [
-            "as opened: nominal-plant.toml",
-            "with refitted values",
+            "plant as opened: nominal-plant.toml",
+            "ordinary parameters refitted",
             "+ chamber leak (orifice)"
         ]
+    );
+
+    let changed = error_steps[1]["changed"].as_array().unwrap();
+    let discharge = changed
+        .iter()
+        .find(|one| one["name"] == "flow.discharge_fill");
+    assert!(
+        discharge.is_some_and(|one| one["before"].is_f64() && one["before"] != one["after"]),
+        "{changed:?}"
     );
 
     let events = browser.work(&session, &format!("{session}/refine/fit"), &request);
@@ -383,4 +392,57 @@ fn what_there_is_not_cannot_be_changed() {
         browser.get(&format!("{session}/refine?log=1")).json()["at"],
         1
     );
+}
+
+/// A definition in the plant file is listed with its law, and added, changed, switched and undone as any other effect.
+#[test]
+fn an_own_effect_of_the_plant_is_listed_and_changed_as_one_of_the_library() {
+    const NOMINAL: &str = include_str!("../../../data/nominal-plant.toml");
+    const SEAL: &str = r#"
+[own_effects.lifting_seal]
+sentence = "The lip of the shaft seal lifts above a pressure."
+acts_on = "leak_flow"
+expression = "k * max(p - p_lift, 0)"
+parameters.k = { typical = 1e-10, range = [1e-12, 1e-8], unit = "kg/s/Pa" }
+parameters.p_lift = { typical = 4e5, range = [1.5e5, 9e5], unit = "Pa" }
+"#;
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 5.0);
+    let own = json!({"name": "own.toml", "toml": format!("{NOMINAL}{SEAL}")});
+    assert_eq!(browser.put(&format!("{session}/plant"), &own).status, 200);
+    let listed = browser.get(&format!("{session}/effects")).json();
+    let listed = listed.as_array().unwrap();
+    let seal = listed.iter().find(|one| one["id"] == "own.lifting_seal");
+    let seal = seal.unwrap();
+    assert_eq!(
+        (&seal["title"], &seal["equation"]),
+        (&json!("Own lifting seal"), &json!("k * max(p - p_lift, 0)"))
+    );
+    assert_eq!(seal["forms"][0]["parameters"][0]["is_log"], true);
+
+    let id = "own.lifting_seal";
+    change(&browser, &session, json!({"add": {"effect": id}}));
+    let written = |text: &str| plant(&browser, &session).contains(text);
+    assert!(written("[own_effects.lifting_seal]") && written("[effects.own.lifting_seal]"));
+    change(
+        &browser,
+        &session,
+        json!({"set": {"effect": id, "key": "k", "value": 3e-10}}),
+    );
+    assert!(written("k = 3e-10   # set by hand in the workbench"));
+    change(
+        &browser,
+        &session,
+        json!({"switch": {"effect": id, "is_on": false}}),
+    );
+    assert!(!written("[effects.own.lifting_seal]"));
+    change(
+        &browser,
+        &session,
+        json!({"switch": {"effect": id, "is_on": true}}),
+    );
+    assert!(written("k = 3e-10"));
+    change(&browser, &session, json!({"remove": {"effect": id}}));
+    assert!(written("[own_effects.lifting_seal]") && !written("[effects.own.lifting_seal]"));
 }

@@ -9,6 +9,8 @@ pub(crate) enum Duty {
     FullStep,
     /// The full step with lower limits that follow the pressure, and the other tasks of an ECU.
     Ecu,
+    /// The model-based pulses, which replace PID controller and distributor.
+    Pulses,
     /// A PID controller alone.
     Kernel,
 }
@@ -18,6 +20,7 @@ impl fmt::Display for Duty {
         f.write_str(match self {
             Self::FullStep => "full step of the thesis",
             Self::Ecu => "full step with limits by pressure",
+            Self::Pulses => "model-based pulses",
             Self::Kernel => "PID controller alone",
         })
     }
@@ -43,11 +46,13 @@ pub(crate) const THESIS_STEP: &str = "full_step";
 pub(crate) const CHECKED_LOOP: &str = "checked_loop";
 /// All work of an ECU in a sample.
 pub(crate) const ECU_SAMPLE: &str = "ecu_sample";
+/// Model-based pulses.
+pub(crate) const PULSES: &str = "pulses";
 /// Baselines that saturate each operation, in the order O2, Os.
 pub(crate) const SATURATING: [&str; 2] = ["saturating_o2", "saturating_os"];
 
 /// All candidates.
-pub(crate) const CANDIDATES: [Candidate; 17] = [
+pub(crate) const CANDIDATES: [Candidate; 18] = [
     candidate(
         "full_step",
         "controller, only numbers in RAM",
@@ -79,6 +84,7 @@ pub(crate) const CANDIDATES: [Candidate; 17] = [
         "ecu::Ecu: all detectors, supervisor",
         Duty::Ecu,
     ),
+    candidate("pulses", "controller, model-based pulses", Duty::Pulses),
     candidate(
         "pid_alone",
         "controller with tolerance, distributor",

@@ -1,6 +1,6 @@
 //! Budgets with their reasons, compared with the figures.
 
-use super::candidate::{CHECKED_LOOP, Duty, ECU_SAMPLE, SATURATING, THESIS_STEP};
+use super::candidate::{CHECKED_LOOP, Duty, ECU_SAMPLE, PULSES, SATURATING, THESIS_STEP};
 use super::figures::Figures;
 use super::gate::Gate;
 use super::unbounded::Unbounded;
@@ -20,6 +20,8 @@ const STACK_BYTES_MAX: u32 = 24;
 const SHARE_OF_SATURATING_MAX: f64 = 0.5;
 /// Maximum number of instructions of the full step with limits by pressure, plausibility and telemetry.
 const CHECKED_PROVED_MAX: u32 = 300;
+/// Maximum number of instructions of the model-based pulses: 4 µs at 100 MHz.
+const PULSES_PROVED_MAX: u32 = 400;
 /// Maximum number of instructions of all work of an ECU in a sample: 20 µs at 100 MHz, 0.2 % of the period.
 const ECU_PROVED_MAX: u32 = 2000;
 /// Allowed difference of the baselines' duty cycles from those of the project's controller (%): a fair comparison needs
@@ -43,6 +45,7 @@ pub(crate) fn gates(figures: &[Figures]) -> Vec<Gate> {
         None => gates.push(Gate::missing("full step")),
     }
     for (name, what, proved_max) in [
+        (PULSES, "pulses", PULSES_PROVED_MAX),
         (CHECKED_LOOP, "checked loop", CHECKED_PROVED_MAX),
         (ECU_SAMPLE, "ECU sample", ECU_PROVED_MAX),
     ] {
@@ -186,6 +189,7 @@ mod tests {
     const STEP: usize = 2;
     const CHECKED: usize = 3;
     const ECU: usize = 4;
+    const PULSED: usize = 5;
 
     /// Creates the whole bench at its budgets, except for C, which needs four times as much.
     fn on_the_edge() -> Vec<Figures> {
@@ -195,9 +199,11 @@ mod tests {
             THESIS_STEP,
             CHECKED_LOOP,
             ECU_SAMPLE,
+            PULSES,
         ]
         .map(figures)
         .into();
+        all[PULSED].proved = Ok(400);
         all[CHECKED].proved = Ok(300);
         all[ECU].proved = Ok(2000);
         for c in &mut all[..=SMALL_C] {
@@ -216,7 +222,11 @@ mod tests {
     #[test]
     fn a_figure_one_unit_beyond_its_budget_is_reported_and_no_other() {
         type Spoil = fn(&mut [Figures]);
-        let cases: [(Spoil, &str); 18] = [
+        let cases: [(Spoil, &str); 19] = [
+            (
+                |all| all[PULSED].proved = Ok(401),
+                "pulses: instructions, proved",
+            ),
             (
                 |all| all[STEP].counted.sum = 651,
                 "full step: instructions, mean",
@@ -325,6 +335,7 @@ mod tests {
             (STEP, "full step: not measured, has to be: measured"),
             (CHECKED, "checked loop: not measured"),
             (ECU, "ECU sample: not measured"),
+            (PULSED, "pulses: not measured"),
         ] {
             let mut all = on_the_edge();
             all.remove(missing);

@@ -9,8 +9,12 @@ pub(super) fn broken(observation: &Observation, oracle: &Oracle) -> [Finding; 6]
     let [fill, vent] = observation.coils;
     let coils = || format!("fill {fill:.2} %, vent {vent:.2} %");
     let requirement = Requirement::THESIS;
+    let [ratio_min, ratio_max] = bounds::RESISTANCE_RATIO;
+    let by_voltage = observation.voltage_factor();
     let is_allowed = |duty: f64, [min, max]: [f64; 2]| {
         let step = bounds::DUTY_STEP_PCT;
+        let min = by_voltage * ratio_min * min;
+        let max = (by_voltage * ratio_max * max).min(100.0);
         duty == 0.0 || (min - step..=max + step).contains(&duty)
     };
     let empties = vent >= 100.0 - bounds::DUTY_STEP_PCT;

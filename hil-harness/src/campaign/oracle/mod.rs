@@ -21,6 +21,7 @@ use ecu::SensorCode;
 use super::bounds;
 use super::driver::Drive;
 use super::injection::Injection;
+use crate::duty_factors::factor;
 use crate::scenario::Scenario;
 use crate::wire::{Actuators, Sensors, measured_bar};
 use condition::Conditions;
@@ -48,6 +49,15 @@ pub struct Observation {
 }
 
 impl Observation {
+    /// Returns the factor of the duty limits by the measured supply voltage.
+    fn voltage_factor(&self) -> f64 {
+        let measured_v = self
+            .sensors
+            .battery_mv
+            .map(|millivolts| f64::from(millivolts) * 1e-3);
+        measured_v.map_or(1.0, |volt| factor(bounds::NOMINAL_V, volt))
+    }
+
     /// Returns the pressure shown to the target (bar gauge); `None` for a code that a 12-bit converter cannot give.
     fn shown_bar(&self) -> Option<f64> {
         let code = self.sensors.pressure?;
@@ -148,7 +158,7 @@ impl Oracle {
             leaves_venting: injection.class.leaves_venting(),
             is_plain: injection.class.is_plain(),
             memory: Memory::new(),
-            conditions: Conditions::new(&scenario.supervision),
+            conditions: Conditions::new(scenario),
             permission: Permission::new(injection.class.is_plain()),
             takeover: Takeover::default(),
             violations: Vec::new(),

@@ -13,8 +13,8 @@ pub(super) struct Takeover {
     before_bar: Option<[f64; 2]>,
     /// Number of consecutive samples in which neither changed.
     rested_for: u32,
-    /// Duty cycles of the previous sample, if it was the first that drove a coil (%).
-    first_pct: Option<[f64; 2]>,
+    /// Duty cycles of the previous sample, if it was the first that drove a coil (%), and its factor of the voltage.
+    first: Option<First>,
     /// Excess of the first duty cycle over this sample's, for the valve that both drive (%).
     excess_pct: f64,
 }
@@ -36,15 +36,19 @@ impl Takeover {
         } else {
             0
         };
-        let first_pct = self.first_pct.take().filter(|_| rests);
-        self.excess_pct = first_pct.map_or(0.0, |first| excess_pct(first, observation.coils));
+        let first = self.first.take().filter(|_| rests);
+        let now = First {
+            duties_pct: observation.coils,
+            by_voltage: observation.voltage_factor(),
+        };
+        self.excess_pct = first.map_or(0.0, |first| first.excess_pct(&now));
         let was_shut = [0, 1]
             .iter()
             .all(|&valve| memory.coil_settled(valve, |duty| duty == 0.0));
         // A target may have observation a step for some samples before it accepted it.
         let is_first =
             self.rested_for >= bounds::SETTLING && was_shut && observation.coils != [0.0; 2];
-        self.first_pct = is_first.then_some(observation.coils);
+        self.first = is_first.then_some(now);
         self.before_bar = now_bar;
     }
 
@@ -70,11 +74,25 @@ fn believed_bar(observation: &Observation, conditions: &Conditions) -> Option<[f
     Some([shown_bar, conditions.reference_bar(observation)?])
 }
 
-/// Returns the excess of the first duty cycle; a valve that only one of the two drives is not compared.
-fn excess_pct(first: [f64; 2], second: [f64; 2]) -> f64 {
-    let both = first.into_iter().zip(second);
-    let driven = both.filter(|&(_, second)| second > 0.0);
-    driven
-        .map(|(first, second)| first - second)
-        .fold(0.0, f64::max)
+/// Duty cycles of a sample (%), and the factor of its supply voltage.
+#[derive(Clone, Copy, Debug)]
+struct First {
+    duties_pct: [f64; 2],
+    by_voltage: f64,
+}
+
+impl First {
+    /// Returns the excess of these duty cycles over those of `second`; a valve that only one of the two drives is not
+    /// compared. A voltage that returns changes limits, but not the full duty cycle that empties the chamber, so the
+    /// smaller excess counts: of the duty cycles, or of those at nominal voltage.
+    fn excess_pct(&self, second: &Self) -> f64 {
+        let both = self.duties_pct.into_iter().zip(second.duties_pct);
+        let driven = both.filter(|&(_, second)| second > 0.0);
+        driven
+            .map(|(first, duty)| {
+                let at_nominal_v = first / self.by_voltage - duty / second.by_voltage;
+                at_nominal_v.min(first - duty)
+            })
+            .fold(0.0, f64::max)
+    }
 }

@@ -5,9 +5,9 @@ use nalgebra::DMatrix;
 use super::profile;
 use super::result::{Determination, EstimatedParameter};
 use crate::diagnosis::evidence::Evidence;
-use crate::diagnosis::interval::{covariance, half_widths};
-use crate::diagnosis::trial::Trial;
-use crate::diagnosis::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::fit::interval::{covariance, half_widths};
+use crate::diagnosis::fit::trial::Trial;
 
 /// Largest width of an interval, over that before the logs, at which a parameter counts as determined.
 pub(in crate::diagnosis) const DETERMINED: f64 = 0.18;

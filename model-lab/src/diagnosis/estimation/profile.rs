@@ -10,9 +10,9 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::fit::interval::covariance;
+use crate::diagnosis::fit::trial::Trial;
 use crate::diagnosis::fit::{Descent, Fit, Fitter};
-use crate::diagnosis::interval::covariance;
-use crate::diagnosis::trial::Trial;
 
 /// Relative difference between the actual and the predicted rise at the end of an interval below which the curvature describes the cost.
 const AS_PREDICTED: f64 = 0.5;
@@ -145,9 +145,9 @@ mod tests {
     use super::*;
     use crate::bench::Bench;
     use crate::diagnosis::estimation::bench as bench_of;
+    use crate::diagnosis::evidence::unknowns::Unknowns;
     use crate::diagnosis::fit::Difference;
-    use crate::diagnosis::split::Split;
-    use crate::diagnosis::unknowns::Unknowns;
+    use crate::diagnosis::fit::split::Split;
 
     /// Returns the accurate fit of a log in which only the parameters `free` are estimated, within 30 %.
     fn fitted(
@@ -189,7 +189,7 @@ mod tests {
             &["flow.discharge_fill"],
             &phases,
         );
-        let widths = crate::diagnosis::interval::half_widths(&split.fitting, &trial);
+        let widths = crate::diagnosis::fit::interval::half_widths(&split.fitting, &trial);
         assert_eq!(
             distances(&split.fitting, &trial, &widths),
             [[widths[0]; 2]],
@@ -204,7 +204,7 @@ mod tests {
         let phases = [(0.5, 0.0, 0.0), (3.0, 20.0, 0.0), (0.5, 0.0, 0.0)];
         let name = "armature.preload_fill_n";
         let (split, trial) = fitted(&PlantParameters::nominal(), &[name], &phases);
-        let widths = crate::diagnosis::interval::half_widths(&split.fitting, &trial);
+        let widths = crate::diagnosis::fit::interval::half_widths(&split.fitting, &trial);
         let [[below, above]] = distances(&split.fitting, &trial, &widths)[..] else {
             panic!("one parameter")
         };

@@ -7,9 +7,9 @@ use plant_sim::parameters::{Knowledge, ParameterSpec};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::diagnosis::fit::trial::Trial;
 use crate::diagnosis::refine::rounded;
 use crate::diagnosis::result::{Cost, FoundClock, FoundStart, Step};
-use crate::diagnosis::trial::Trial;
 use crate::diagnosis::verdict::LITTLE_FLOORS;
 use crate::result::{LogDefects, NotCompared};
 
@@ -191,7 +191,7 @@ pub(super) fn state_knowledge(
         let is_kept = |spec: &&ParameterSpec| {
             spec.effect_id().is_none() || before.knowledge.contains_key(name)
         };
-        let Some(spec) = ParameterSpec::by_name(name).filter(is_kept) else {
+        let Some(spec) = plant.any_spec(name).filter(is_kept) else {
             continue;
         };
         let is_at_limit = parameter.determination == Determination::AtLimit;

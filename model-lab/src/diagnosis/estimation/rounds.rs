@@ -8,14 +8,14 @@ use super::unknowns_of;
 use crate::conditions::Conditions;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::Evidence;
-use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss};
-use crate::diagnosis::log::Log;
-use crate::diagnosis::logger_time::{
+use crate::diagnosis::evidence::log::Log;
+use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::fit::logger_time::{
     Delay, Search, centre_slow_clocks, find_clock, find_slow_clocks,
 };
+use crate::diagnosis::fit::split::Split;
+use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss};
 use crate::diagnosis::search::{Watch, report};
-use crate::diagnosis::split::Split;
-use crate::diagnosis::unknowns::{Unknown, Unknowns};
 
 /// Residual in noise floors above which the robust loss is linear.
 pub(super) const OUTLIER: f64 = 3.0;

@@ -16,14 +16,14 @@ use super::rounds::{
 use super::unknowns_of;
 use super::weak_directions::{measure_weak_directions, settled};
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::errors::Errors;
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::errors::Errors;
+use crate::diagnosis::evidence::log::Log;
+use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::fit::logger_time::{best_delay_s, find_conditions};
+use crate::diagnosis::fit::split::Split;
 use crate::diagnosis::fit::{Descent, Difference, Fit, Fitter, Loss, Scope};
-use crate::diagnosis::log::Log;
-use crate::diagnosis::logger_time::{best_delay_s, find_conditions};
 use crate::diagnosis::search::{Watch, report};
-use crate::diagnosis::split::Split;
-use crate::diagnosis::unknowns::{Unknown, Unknowns};
 use crate::result::Horizon;
 
 /// Difference steps in the last stage over the usual ones: a parameter may be known to a hundredth of its range.

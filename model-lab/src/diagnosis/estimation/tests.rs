@@ -251,6 +251,23 @@ fn a_little_more_than_the_noise_says_nothing_of_physics() {
     assert!(said(Left::More).contains("so physics is missing"));
 }
 
+/// Asserts that an estimation leaves the noise, and that the values of `rig` lie in its intervals.
+#[track_caller]
+fn assert_is_estimated(estimation: &Estimation, rig: &PlantParameters) {
+    assert!(estimation.is_adequate, "{}", estimation.sentence);
+    let last = estimation.steps.last().unwrap();
+    assert!(last.worst_in_noise() < 1.1, "{last:?}");
+    assert!(last.worst_free_run_in_noise() < 1.5, "{last:?}");
+    for parameter in &estimation.parameters {
+        let truth = rig.get(&parameter.name).unwrap();
+        let margin = 0.1 * (parameter.high - parameter.low) + 1e-9 * truth.abs();
+        assert!(
+            truth > parameter.low - margin && truth < parameter.high + margin,
+            "{truth}: {parameter:?}"
+        );
+    }
+}
+
 /// Goal: a rig of on/off valves without coils, known from data sheets, leads to a model that leaves the noise, and the true values lie in
 /// the intervals. Method: a rig of the same simulator at 50 Hz, with pressures alone, seen by a logger with a clock of its own.
 #[test]
@@ -280,20 +297,99 @@ fn on_off_valves_known_from_data_sheets_are_estimated() {
         pressure_alone(&logged_through(&rig, (clock, 10e-3), seed, &phases))
     });
     let found = estimated(&sheet, &[fitted], &[check]);
-    let estimation = &found.estimation;
-    assert!(estimation.is_adequate, "{}", estimation.sentence);
-    let last = estimation.steps.last().unwrap();
-    assert!(last.worst_in_noise() < 1.1, "{last:?}");
-    assert!(last.worst_free_run_in_noise() < 1.5, "{last:?}");
-    for parameter in &estimation.parameters {
-        let truth = rig.get(&parameter.name).unwrap();
-        let margin = 0.1 * (parameter.high - parameter.low) + 1e-9 * truth.abs();
-        assert!(
-            truth > parameter.low - margin && truth < parameter.high + margin,
-            "{truth}: {parameter:?}"
-        );
-    }
+    assert_is_estimated(&found.estimation, &rig);
 }
+
+/// Goal and method as for on/off valves, with steps of the command.
+#[test]
+fn proportional_valves_known_from_data_sheets_are_estimated() {
+    let sheet = PlantParameters::from_datasheet(PROPORTIONAL, "data sheet").unwrap();
+    let mut rig = sheet.clone();
+    for (name, value) in [
+        ("chamber.volume_m3", 440e-6),
+        ("proportional_fill.conductance_dm3_per_s_bar", 0.7),
+        ("proportional_fill.time_constant_s", 0.023),
+        ("proportional_fill.opens_at_pct", 17.0),
+        ("proportional_fill.above_line_50_pct", -6.0),
+        ("proportional_vent.time_constant_s", 0.016),
+        ("proportional_vent.opens_at_pct", 13.5),
+        ("ecu.command_delay_s", 9e-3),
+    ] {
+        rig.set(name, value, "truth").unwrap();
+    }
+    let steps = [20.0, 35.0, 50.0, 70.0, 100.0, 28.0, 60.0, 85.0];
+    let phases: Vec<_> = steps
+        .into_iter()
+        .flat_map(|pct| {
+            [
+                (0.3, pct, 0.0),
+                (0.4, 0.0, 0.0),
+                (0.3, 0.0, 105.0 - 0.8 * pct),
+                (0.5, 0.0, 0.0),
+            ]
+        })
+        .cycle()
+        .take(64)
+        .collect();
+    let [fitted, check] = [1, 2].map(|seed| {
+        let logger = (LoggerClock::default(), 5e-3);
+        pressure_alone(&logged_through(&rig, logger, seed, &phases))
+    });
+    let found = estimated(&sheet, &[fitted], &[check]);
+    assert_is_estimated(&found.estimation, &rig);
+}
+
+/// Defect seen: pulses of 1.76 and 1.80 ms lay around a delay, on one side of which the fit stayed: 81 % of the error was explained by the
+/// effect that explains all of it.
+#[test]
+fn a_delay_is_found_across_the_lengths_of_pulses() {
+    let sheet = PlantParameters::from_datasheet(ON_OFF, "data sheet").unwrap();
+    let mut rig = sheet.clone();
+    let name = "on_off_fill.opening_delay_s";
+    rig.set(name, 7.1e-3, "truth").unwrap();
+    // Pulses of 7.0 to 9.4 ms, each pressure by each pulse.
+    let phases: Vec<_> = [35.0, 36.0, 38.0, 40.0, 43.0, 47.0]
+        .into_iter()
+        .flat_map(|duty_fill_pct| {
+            [
+                (0.4, duty_fill_pct, 0.0),
+                (0.2, 0.0, 0.0),
+                (0.2, 0.0, 100.0),
+            ]
+        })
+        .collect();
+    let clock = LoggerClock::default();
+    let [fitted, check] = [1, 2].map(|seed| {
+        pressure_alone(&logged_through(
+            &rig,
+            (clock, 5e-3),
+            seed,
+            &phases.repeat(2),
+        ))
+    });
+    let found = estimated(&sheet, &[fitted], &[check]);
+    let delay = parameter(&found, name);
+    assert!((delay.after - 7.1e-3).abs() < 0.1e-3, "{delay:?}");
+    let last = found.estimation.steps.last().unwrap();
+    assert!(last.worst_in_noise() < 1.1, "{last:?}");
+}
+
+const PROPORTIONAL: &str = "
+    supply_pressure_bar_gauge = 7.15      # ±0.35
+    temperature_c = 24.3
+    command_frequency_hz = 100
+    command_delay_ms = 8                  # ±25 %
+    chamber_volume_cm3 = 419              # ±15 %
+    fill_C_dm3_per_s_bar = 0.641          # ±15 %
+    fill_b = 0.245                        # ±0.1
+    fill_opens_at_pct = 15                # ±3
+    fill_open_share_50_pct = 47           # ±6
+    fill_time_constant_ms = 20            # ±25 %
+    vent_C_dm3_per_s_bar = 1.02           # ±15 %
+    vent_b = 0.382                        # ±0.1
+    vent_opens_at_pct = 15                # ±3
+    vent_time_constant_ms = 20            # ±25 %
+";
 
 const ON_OFF: &str = "
     supply_pressure_bar_gauge = 7.15      # ±0.35

@@ -7,8 +7,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::diagnosis::evidence::log::Residuals;
 use crate::diagnosis::fit::{Fit, Fitter};
-use crate::diagnosis::log::Residuals;
 
 /// Standard deviation, in coordinates, above which a direction is weak: about the step of the difference quotients of single parameters.
 const WEAK_SD: f64 = 0.004;

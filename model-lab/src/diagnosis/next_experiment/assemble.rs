@@ -1,11 +1,11 @@
 //! Assembly of the experiment into sentences and figures.
 
-use super::super::verdict::DISTINGUISHABLE;
 use super::distance::Rival;
 use super::result::{
     Limits, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor, TestSignal,
 };
 use super::test_signal::Sequence;
+use crate::diagnosis::verdict::DISTINGUISHABLE;
 
 /// Assembles the rivals with the excitations and sensors that distinguish them.
 pub(super) fn assemble(
@@ -72,10 +72,10 @@ fn sentence(
     sensors: &[Sensor],
 ) -> String {
     let name = |rival: &RivalEffect| {
-        rival
-            .effect
-            .as_deref()
-            .map_or_else(|| "the plain model".to_owned(), |id| id.replace('_', " "))
+        rival.effect.as_deref().map_or_else(
+            || "the plain model".to_owned(),
+            |id| id.replace(['_', '.'], " "),
+        )
     };
     let names: Vec<String> = rivals.iter().map(name).collect();
     let names = names.join(" and ");

@@ -10,17 +10,6 @@ use nalgebra::DMatrix;
 use plant_sim::PlantParameters;
 use recording::Recording;
 
-use super::super::effect_unknown::EVEN_SD;
-use super::super::error::DiagnoseError;
-use super::super::estimation::{DETERMINED, measure_weak_directions};
-use super::super::fit::{Difference, Fitter};
-use super::super::gather::gather;
-use super::super::knowledge::{named, state_first_file};
-use super::super::logged_supply::with_logged_supply;
-use super::super::nuisance::first_file_spread;
-use super::super::search::{Watch, report};
-use super::super::trial::Bench;
-use super::super::unknowns::{Unknown, Unknowns};
 use super::assemble::phases;
 use super::check_parts;
 use super::determine_result::{
@@ -30,6 +19,17 @@ use super::distance::{Noises, Unseen, made};
 use super::result::Limits;
 use super::test_signal::{self, Sequence};
 use super::{NoneRanked, ranked};
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::estimation::{DETERMINED, measure_weak_directions};
+use crate::diagnosis::evidence::effect_unknown::EVEN_SD;
+use crate::diagnosis::evidence::logged_supply::with_logged_supply;
+use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::fit::gather::gather;
+use crate::diagnosis::fit::trial::Bench;
+use crate::diagnosis::fit::{Difference, Fitter};
+use crate::diagnosis::knowledge::{named, state_first_file};
+use crate::diagnosis::nuisance::first_file_spread;
+use crate::diagnosis::search::{Watch, report};
 
 /// Half width of a 95 % interval (standard deviations).
 const NORMAL_95: f64 = 1.96;

@@ -2,13 +2,13 @@ use core::ops::ControlFlow;
 
 use plant_sim::parameters::Knowledge;
 
-use super::super::estimation::{Determination, estimate};
-use super::super::knowledge::fix;
 use super::determine::determining_experiment;
 use super::distance::{Noises, made};
 use super::test_signal::sequences;
 use super::*;
 use crate::bench::Bench as Rig;
+use crate::diagnosis::estimation::{Determination, estimate};
+use crate::diagnosis::knowledge::fix;
 
 const LIMITS: Limits = Limits {
     duration_s: 10.0,
@@ -17,7 +17,7 @@ const LIMITS: Limits = Limits {
 };
 const FLOWS: [&str; 2] = ["flow.discharge_fill", "flow.discharge_vent"];
 
-fn go_on(_: super::super::Progress) -> ControlFlow<()> {
+fn go_on(_: crate::diagnosis::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 

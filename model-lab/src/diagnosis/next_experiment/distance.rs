@@ -6,14 +6,14 @@ use plant_sim::replay::replay;
 use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, Unit};
 
-use super::super::error::DiagnoseError;
-use super::super::evidence::Evidence;
-use super::super::fit::{Difference, Fitter};
-use super::super::gather::gather;
-use super::super::trial::{Bench, Trial};
-use super::super::unknowns::Unknowns;
-use super::super::vector::{dot, square};
 use super::test_signal::Sequence;
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::unknowns::Unknowns;
+use crate::diagnosis::fit::gather::gather;
+use crate::diagnosis::fit::trial::{Bench, Trial};
+use crate::diagnosis::fit::vector::{dot, square};
+use crate::diagnosis::fit::{Difference, Fitter};
 use crate::noise::Noise;
 use crate::result::Horizon;
 

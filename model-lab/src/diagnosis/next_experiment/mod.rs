@@ -19,17 +19,17 @@ mod tests;
 use core::cmp::Ordering;
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::effects::EffectSetting;
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
 use rayon::prelude::*;
 use recording::Recording;
 
-use super::error::DiagnoseError;
-use super::gather::gather;
-use super::logged_supply::with_logged_supply;
+use super::error::{DiagnoseError, candidate};
+use super::evidence::logged_supply::with_logged_supply;
+use super::fit::gather::gather;
+use super::fit::trial::{Bench, Trial};
 use super::search::{Watch, best_form, report};
-use super::trial::{Bench, Trial};
 use distance::{Noises, Rival, Unseen, distance};
 use test_signal::Sequence;
 
@@ -198,8 +198,8 @@ fn pairs(rivals: &[Rival]) -> impl Iterator<Item = (&Rival, &Rival)> {
         .flat_map(|(n, a)| rivals[..n].iter().map(move |b| (a, b)))
 }
 
-fn settings(id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
-    let effect = by_id(id).ok_or_else(|| DiagnoseError::NoSuchEffect { id: id.to_owned() })?;
+fn settings(plant: &PlantParameters, id: &str) -> Result<Vec<EffectSetting>, DiagnoseError> {
+    let effect = candidate(plant, id)?;
     let variants = effect.about().variants.iter();
     Ok(variants
         .map(|variant| EffectSetting::typical_variant(effect, variant))
@@ -223,7 +223,8 @@ fn fitted(
         let not_fitted = || DiagnoseError::NotFitted {
             id: (*id).to_owned(),
         };
-        let mut best = best_form(bench, plain, settings(id)?).ok_or_else(not_fitted)?;
+        let mut best =
+            best_form(bench, plain, settings(bench.plant, id)?).ok_or_else(not_fitted)?;
         best.refresh(bench).ok_or_else(not_fitted)?;
         rivals.push(Rival::of_trial(bench, best, Some(id)));
     }
@@ -232,7 +233,7 @@ fn fitted(
 
 /// Returns the plain model, and the plain model with the effect at its typical size.
 fn typical(bench: &Bench, plain: &Trial, id: &str) -> Result<Vec<Rival>, DiagnoseError> {
-    let setting = settings(id)?.swap_remove(0);
+    let setting = settings(bench.plant, id)?.swap_remove(0);
     let without = Rival::of_trial(bench, plain.clone(), None);
     let with = without.with(setting);
     Ok(vec![without, with])

@@ -2,11 +2,11 @@
 
 use plant_sim::{Command, PlantParameters, Simulator};
 
-use super::super::evidence::Evidence;
 use super::distance::Rival;
 use super::result::Sensor;
 use super::test_signal::Sequence;
 use super::test_signal::end_ns;
+use crate::diagnosis::evidence::Evidence;
 use crate::measured::PRESSURE;
 
 /// Quantity that could also be logged.

@@ -4,10 +4,10 @@ use plant_sim::parameters::{Knowledge, ParameterSpec};
 use plant_sim::valve::ValveFunction;
 use recording::csv;
 
-use super::super::verdict::DISTINGUISHABLE;
 use super::distance::made;
 use super::*;
 use crate::bench::Bench as Rig;
+use crate::diagnosis::verdict::DISTINGUISHABLE;
 
 const RIVALS: [&str; 2] = ["series_restriction", "supply_line_droop"];
 const LIMITS: Limits = Limits {
@@ -16,12 +16,16 @@ const LIMITS: Limits = Limits {
     max_duty_pct: 100.0,
 };
 
-fn go_on(_: super::super::Progress) -> ControlFlow<()> {
+fn go_on(_: crate::diagnosis::Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
 fn rig(hidden: &str) -> PlantParameters {
-    PlantParameters::nominal().with_effect(settings(hidden).unwrap().swap_remove(0))
+    {
+        let nominal = PlantParameters::nominal();
+        let setting = settings(&nominal, hidden).unwrap().swap_remove(0);
+        nominal.with_effect(setting)
+    }
 }
 
 /// Returns a log without the signal `name`.

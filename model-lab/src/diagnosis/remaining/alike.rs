@@ -7,9 +7,9 @@ use nalgebra::{SMatrix, SVector};
 use plant_sim::plant::{FILL, VENT};
 use rayon::prelude::*;
 
-use super::super::log::Log;
-use super::super::vector::median;
 use super::trace::in_force;
+use crate::diagnosis::evidence::log::Log;
+use crate::diagnosis::fit::vector::median;
 
 /// Number of instants that are compared.
 const LIKE: usize = 12;

@@ -3,8 +3,8 @@
 
 use core::ops::Range;
 
-use super::super::result::{FlowCurve, FlowPoint};
 use super::trace::{Regime, Trace};
+use crate::diagnosis::result::{FlowCurve, FlowPoint};
 use crate::noise::Noise;
 use plant_sim::plant::{FILL, VENT};
 

@@ -3,7 +3,7 @@
 use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 
-use super::super::result::FlowCurve;
+use crate::diagnosis::result::FlowCurve;
 
 /// Largest number of knots of a table.
 const KNOTS: usize = 5;

@@ -11,12 +11,12 @@ use core::ops::Range;
 
 use plant_sim::PlantParameters;
 
-use super::super::log::{Channel, Log};
-use super::super::result::SpectralLine;
-use super::super::vector::median;
 use super::alike::{Usual, usual, without_smooth_law};
 use super::periodogram::{Samples, Wave};
 use super::trace::{Regime, Trace};
+use crate::diagnosis::evidence::log::{Channel, Log};
+use crate::diagnosis::fit::vector::median;
+use crate::diagnosis::result::SpectralLine;
 
 /// Largest probability of a line in noise alone; it was fixed before any log was examined.
 const CHANCE: f64 = 1e-4;

@@ -14,7 +14,7 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::Row;
 
-use super::log::Log;
+use super::evidence::log::Log;
 use super::result::{Remaining, SpectralLine};
 use lines::{Sensitivity, Swing};
 use trace::{Regime, Trace, predicted};
@@ -187,10 +187,10 @@ mod tests {
     use plant_sim::plant::Plant;
     use recording::Recording;
 
-    use super::super::gather::gather;
-    use super::super::result::FlowCurve;
     use super::*;
     use crate::bench::Bench;
+    use crate::diagnosis::fit::gather::gather;
+    use crate::diagnosis::result::FlowCurve;
 
     /// Returns the unexplained residual of the nominal model in the log of `rig`.
     fn seen(rig: &Recording) -> Remaining {

@@ -1,9 +1,9 @@
 //! Single instants at which much more or less air entered than a pulse delivers.
 
-use super::super::result::LostPulse;
-use super::super::vector::median;
 use super::alike::usual;
 use super::trace::{Regime, Trace};
+use crate::diagnosis::fit::vector::median;
+use crate::diagnosis::result::LostPulse;
 
 /// Ratio of an error to the usual one from which on it is a jump.
 const JUMP: f64 = 6.0;

@@ -1,6 +1,6 @@
 //! Leading shapes of the unexplained residual, in words.
 
-use super::super::result::{FlowCurve, LostPulse, Remaining, SpectralLine};
+use crate::diagnosis::result::{FlowCurve, LostPulse, Remaining, SpectralLine};
 
 /// Returns the sentences, the most informative first; empty where nothing material remains.
 pub(super) fn sentences(remaining: &Remaining, is_material: bool) -> Vec<String> {

@@ -15,8 +15,8 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::Row;
 
-use super::super::log::{Channel, Log};
 use crate::commands::Commands;
+use crate::diagnosis::evidence::log::{Channel, Log};
 
 /// State of the valves in the interval before a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -45,6 +45,8 @@ pub(in crate::simulator) struct Extended {
     /// The plunger's share of its travel.
     swept: f64,
     sensor: Sensor,
+    /// Duty cycles in force (0 to 1).
+    duty: [f64; 2],
     /// Time since the beginning (s).
     elapsed: f64,
 }
@@ -67,6 +69,7 @@ impl Extended {
             installed: [FILL, VENT].map(|index| plant.valves[index].coil.resistance),
             swept: plant.swept_at_rest(),
             sensor: Sensor::new(start),
+            duty: [0.0; 2],
             elapsed: 0.0,
             has_coil_law: plant.additions.has_coil_law(),
             has_gas_law: plant.additions.has_gas_law(),
@@ -96,6 +99,7 @@ impl Extended {
             current,
             position,
             velocity,
+            duty: self.duty,
             own: &extra[first..first + number],
         })
     }
@@ -150,6 +154,7 @@ impl Extended {
             current: valves.map(|valve| valve.current),
             position: valves.map(|valve| valve.x),
             velocity: valves.map(|valve| valve.v),
+            duty: self.duty,
             own: &self.extra[self.layout.own.0..][..self.layout.own.1],
         };
         self.sensor.shown(&self.plant.additions, &now, self.elapsed)
@@ -164,6 +169,12 @@ impl Extended {
     /// Returns the gas temperature (K), if it is a state.
     pub(in crate::simulator) fn temperature(&self) -> Option<f64> {
         Some(self.extra[self.layout.temperature?])
+    }
+
+    /// Sets the duty cycles in force (%).
+    pub(in crate::simulator) fn set_duty_pct(&mut self, duty_pct: [f64; 2]) {
+        // A duty cycle that is no number is 0, as at the output.
+        self.duty = duty_pct.map(|pct| (pct / 100.0).clamp(0.0, 1.0).max(0.0));
     }
 
     /// Sets the supply line to rest at `pressure` (Pa abs), if its pressure is a state.

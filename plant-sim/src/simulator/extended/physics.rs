@@ -226,7 +226,17 @@ impl Physics for Extended {
             extra_rates[index] = rate;
         }
         if let (Some(time), Some(now)) = (self.layout.time, now) {
-            extra_rates[time] = 1.0;
+            // A law that is no number aborts the simulation also while nothing follows from it: the force on an armature
+            // that does not move, the supply behind a closed valve.
+            let is_moving = |index: &usize| {
+                let mut moving = smooth.live.iter().zip(smooth.directions);
+                moving.any(|(live, direction)| live == index && direction != 0.0)
+            };
+            let resting = [FILL, VENT].into_iter().filter(|index| !is_moving(index));
+            let idle: f64 = resting
+                .map(|index| hooks::sum(&additions.hooks.force[index], now))
+                .sum();
+            extra_rates[time] = 1.0 + 0.0 * (idle + gas.drops[FILL]);
             for (n, own) in additions.hooks.states.iter().enumerate() {
                 extra_rates[self.layout.own.0 + n] = own.rate.at(now);
             }

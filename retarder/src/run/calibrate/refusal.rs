@@ -1,6 +1,7 @@
 //! Refusals of a device, in the words of its tables.
 
-use ecu::calibration::{Setting, SettingId};
+use controller::SettingSpec;
+use ecu::calibration::SettingId;
 use hil_harness::link::LinkError;
 use hil_protocol::Refusal;
 
@@ -25,10 +26,11 @@ fn in_words(refusal: &Refusal) -> Option<String> {
             max,
             bound_by,
         } => {
-            let Setting {
+            let SettingSpec {
                 name,
                 unit,
                 choices,
+                ..
             } = setting(id)?;
             if !choices.is_empty() {
                 return Some(format!(
@@ -65,22 +67,24 @@ fn rounded(number: f64) -> f64 {
     (1e4 * number).round() / 1e4
 }
 
-fn setting(id: u16) -> Option<&'static Setting> {
-    SettingId::ALL.get(usize::from(id)).map(|id| id.setting())
+fn setting(id: u16) -> Option<&'static SettingSpec> {
+    SettingId::ALL.get(usize::from(id)).map(|id| id.spec())
 }
 
 #[cfg(test)]
 mod tests {
+    use ecu::EcuField;
+
     use super::*;
 
     #[test]
     fn a_refusal_names_the_setting_its_unit_and_who_sets_the_bound() {
         let refusal = Refusal::OutOfRange {
-            id: SettingId::SupplyPressureMax as u16,
+            id: SettingId::Ecu(EcuField::SupplyPressureMax).number(),
             value: 5 << 16,
             min: 7 << 16,
             max: 15 << 16,
-            bound_by: Some(SettingId::SupplyPressureMin as u16),
+            bound_by: Some(SettingId::Ecu(EcuField::SupplyPressureMin).number()),
         };
         assert_eq!(
             in_words(&refusal).unwrap(),

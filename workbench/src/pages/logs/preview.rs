@@ -1,10 +1,11 @@
 //! First rows of a log: as signals if it can be read, otherwise as text.
 
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::borrow::Cow;
+use std::io::{BufRead, BufReader, Cursor, Read as _};
 use std::path::Path;
 
-use recording::csv::Delimiter;
-use recording::{Recording, Unit, mf4};
+use recording::csv::{Delimiter, Encoding};
+use recording::{InspectedLog, PressureReference, Recording, Unit};
 use serde::Serialize;
 
 use crate::log_reader;
@@ -18,19 +19,22 @@ const ROWS: usize = 12;
 const AROUND: u64 = 2;
 /// Maximum number of bytes that are shown of a line.
 const LINE_BYTES_MAX: u64 = 4096;
-/// Maximum number of listed channels.
+/// Number of bytes that show the encoding of a file.
+const HEAD_BYTES: u64 = 64 << 10;
+/// Maximum number of channels that distinguish kinds of files.
 const CHANNELS_MAX: usize = 500;
 /// Maximum number of cells that are shown of a line.
 const CELLS_MAX: usize = 64;
 
 #[derive(Serialize)]
 pub(in crate::pages) struct Preview {
+    /// Columns of the file with a guess of each; `None` if it is no log at all.
+    inspection: Option<InspectedLog>,
     /// Rows of values, with the time first; empty if the log cannot be read.
     columns: Vec<ColumnView>,
     rows: Vec<Vec<Option<f64>>>,
-    /// Text of the file's head; a binary file has its channels instead.
+    /// Text of the file's head; empty for a binary file.
     head: Text,
-    channels: Vec<ChannelView>,
     /// Text around the wrong line.
     around: Option<Text>,
     /// Mapping in use, TOML.
@@ -45,16 +49,6 @@ pub(in crate::pages) struct Preview {
 struct ColumnView {
     name: String,
     unit: String,
-}
-
-/// Channel of an MF4 file.
-#[derive(Serialize)]
-struct ChannelView {
-    /// Key in a mapping.
-    key: String,
-    unit: String,
-    /// Reason why it is not a signal by itself.
-    obstacle: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -77,15 +71,19 @@ struct Known {
 }
 
 impl Preview {
-    pub(in crate::pages) fn of(session: &Session, number: u32) -> Result<Self, Refusal> {
+    /// Creates the preview of a log; `reference` is that of pressures whose unit states none.
+    pub(in crate::pages) fn of(
+        session: &Session,
+        number: u32,
+        reference: Option<PressureReference>,
+    ) -> Result<Self, Refusal> {
         let project = session.project();
         let entry = project.log(number)?;
         let path = session.store.log_path(&entry.file);
         let log = session.log(number)?;
-        let (head, channels) = if log_reader::is_mf4(&path) {
-            (Vec::new(), channels(&path))
-        } else {
-            (lines(&path, 1, ROWS as u64)?, Vec::new())
+        let head = match log_reader::is_csv(&path) {
+            true => lines(&path, 1, ROWS as u64)?,
+            false => Vec::new(),
         };
         let delimiter = delimiter(&head);
         let (columns, rows) = log
@@ -101,11 +99,13 @@ impl Preview {
             }
             None => None,
         };
+        let inspection =
+            log_reader::inspect(&entry.name, &path, entry.mapping.as_deref(), reference);
         Ok(Self {
+            inspection: inspection.ok(),
             columns,
             rows,
             head: text(head, delimiter),
-            channels,
             around,
             mapping: entry.mapping.clone(),
             known: plant_sim::replay::ROW_SIGNALS
@@ -118,23 +118,6 @@ impl Preview {
             units: Unit::all().map(Unit::token).collect(),
         })
     }
-}
-
-/// Returns the channels of an MF4 file; empty if it is damaged, which its problem states.
-fn channels(path: &Path) -> Vec<ChannelView> {
-    let Ok(listing) = mf4::list_file(path, mf4::Limits::default()) else {
-        return Vec::new();
-    };
-    let of_group = |(index, group): (usize, &mf4::Group)| {
-        let view = |channel: &mf4::Channel| ChannelView {
-            key: format!("{}/{}", index + 1, channel.name),
-            unit: channel.unit.clone(),
-            obstacle: channel.obstacle.clone(),
-        };
-        group.channels.iter().map(view).collect::<Vec<_>>()
-    };
-    let channels = listing.groups.iter().enumerate().flat_map(of_group);
-    channels.take(CHANNELS_MAX).collect()
 }
 
 /// Returns the first rows of the first time base.
@@ -167,11 +150,12 @@ fn values(log: &Recording) -> (Vec<ColumnView>, Vec<Vec<Option<f64>>>) {
     )
 }
 
-/// Returns the first line, which distinguishes kinds of files.
+/// Returns the first line or the names of the channels, which distinguish kinds of files.
 pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
-    if log_reader::is_mf4(path) {
-        let channels = channels(path);
-        let names: Vec<&str> = channels.iter().map(|channel| &channel.key[..]).collect();
+    if !log_reader::is_csv(path) {
+        let inspection = log_reader::inspect("log", path, None, None).ok()?;
+        let channels = inspection.columns.into_iter().take(CHANNELS_MAX);
+        let names: Vec<String> = channels.map(|channel| channel.key).collect();
         return Some(names.join("\n"));
     }
     let first = lines(path, 1, 1).ok()?.pop()?.1;
@@ -185,10 +169,24 @@ pub(in crate::pages) fn head_key(path: &Path) -> Option<String> {
     }
 }
 
+/// Returns the first bytes of a file.
+fn head(path: &Path) -> Result<Vec<u8>, Refusal> {
+    let mut head = Vec::new();
+    let file = open_regular(path)?;
+    file.take(HEAD_BYTES).read_to_end(&mut head)?;
+    Ok(head)
+}
+
 /// Returns `count` lines from line `from` on, with their numbers; bytes that are not text are replaced.
 fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refusal> {
-    let mut file = BufReader::new(open_regular(path)?);
+    let head = head(path)?;
+    let encoding = Encoding::of_head(&head);
     let from = from.max(1);
+    // A line feed of UTF-16 is no single byte: its preview ends with the head.
+    let mut file: Box<dyn BufRead> = match encoding {
+        Encoding::Utf8 | Encoding::Windows1252 => Box::new(BufReader::new(open_regular(path)?)),
+        _ => Box::new(Cursor::new(encoding.decoded(&head).into_owned())),
+    };
     let mut found = Vec::new();
     for number in 1..from + count {
         let mut bytes = Vec::new();
@@ -204,6 +202,10 @@ fn lines(path: &Path, from: u64, count: u64) -> Result<Vec<(u64, String)>, Refus
             file.skip_until(b'\n')?;
         }
         if number >= from {
+            let bytes = match encoding {
+                Encoding::Windows1252 => encoding.decoded(&bytes),
+                _ => Cow::Borrowed(&*bytes),
+            };
             let text = String::from_utf8_lossy(&bytes);
             let text = text
                 .trim_start_matches('\u{feff}')
@@ -278,6 +280,25 @@ mod tests {
         assert_eq!(found[1].1.len() as u64, LINE_BYTES_MAX);
         assert_eq!(found[2], (3, "1;2".to_owned()));
         assert_eq!(lines(&path, 3, 9).unwrap(), found[2..]);
+    }
+
+    /// Defect seen: `Prüfstand` was shown as `Pr\u{fffd}fstand` beside the columns, which were read in their encoding.
+    #[test]
+    fn lines_are_shown_in_the_encoding_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log");
+        let text = "Prüfstand;7\r\nZeit;Füllventil\r\n";
+        let one_byte = |c: char| u8::try_from(c as u32).unwrap();
+        let latin: Vec<u8> = text.chars().map(one_byte).collect();
+        let wide: Vec<u8> = ("\u{feff}".to_owned() + text)
+            .encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect();
+        for bytes in [text.as_bytes().to_vec(), latin, wide] {
+            std::fs::write(&path, bytes).unwrap();
+            let found = lines(&path, 2, 9).unwrap();
+            assert_eq!(found, [(2, "Zeit;Füllventil".to_owned())]);
+        }
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Changes of a plant's effects; each is a step that can be undone.
 
-use model_lab::diagnosis::result::FittedParameter;
+use model_lab::diagnosis::result::{Candidate, FittedParameter};
 use plant_sim::PlantParameters;
-use plant_sim::effects::{Effect, EffectSetting, by_id};
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::effects::{Effect, EffectSetting};
 use serde::Deserialize;
 
 use crate::history::{History, Step, StepEffect};
@@ -54,9 +53,7 @@ impl Change {
         diagnosed: Option<&Diagnosed>,
     ) -> Result<(), Refusal> {
         match self {
-            Self::Add { effect, form } => edit(history, |draft| {
-                draft.add(effect, form.as_deref(), diagnosed)
-            }),
+            Self::Add { effect, form } => add(history, effect, form.as_deref(), diagnosed),
             Self::Remove { effect } => edit(history, |draft| draft.remove(effect)),
             Self::Switch { effect, is_on } => edit(history, |draft| draft.switch(effect, *is_on)),
             Self::Form { effect, form } => edit(history, |draft| draft.form(effect, form)),
@@ -93,6 +90,45 @@ fn edit(
     Ok(())
 }
 
+/// Adds an effect. If the diagnosis fitted the ordinary parameters with it, they are a step of their own before that of
+/// the effect, so that the effect is not credited with their share of the error.
+fn add(
+    history: &mut History,
+    effect: &str,
+    form: Option<&str>,
+    diagnosed: Option<&Diagnosed>,
+) -> Result<(), Refusal> {
+    let found = diagnosed.filter(|found| fitted_effect(found, effect, form).is_some());
+    let mut draft = Draft::of(history.now())?;
+    let mut refitted = None;
+    if let Some(found) = found
+        && draft.take_what_was_fitted_with(effect, found)?
+    {
+        let done = format!(
+            "refitted the ordinary parameters together with {}",
+            title(effect)
+        );
+        let step = draft.step(done, history.first())?;
+        draft = Draft::of(&step)?;
+        refitted = Some(step);
+    }
+    let done = draft.add(effect, form, found)?;
+    let added = draft.step(done, history.first())?;
+    for step in refitted.into_iter().chain([added]) {
+        history.push(step);
+    }
+    Ok(())
+}
+
+/// Returns the candidate `id` of a diagnosis, unless another form is wanted or nothing of it was fitted.
+fn fitted_effect<'a>(found: &'a Diagnosed, id: &str, form: Option<&str>) -> Option<&'a Candidate> {
+    let mut candidates = found.diagnosis.candidates.iter();
+    candidates
+        .find(|one| one.effect == id)
+        .filter(|one| form.is_none_or(|form| form == one.variant))
+        .filter(|one| !one.parameters.is_empty())
+}
+
 /// Returns the plant at `now` with a changed parameter, without a step.
 pub(super) fn moved(now: &Step, effect: &str, key: &str, value: f64) -> Result<Step, Refusal> {
     let mut draft = Draft::of(now)?;
@@ -106,10 +142,6 @@ struct Draft {
     effects: Vec<StepEffect>,
 }
 
-fn library(id: &str) -> Result<&'static dyn Effect, Refusal> {
-    by_id(id).ok_or_else(|| Refusal::not_found("effect"))
-}
-
 fn origin(found: &Diagnosed) -> String {
     format!(
         "fitted by retarder diagnose to {}",
@@ -118,7 +150,7 @@ fn origin(found: &Diagnosed) -> String {
 }
 
 fn title(id: &str) -> String {
-    id.replace('_', " ")
+    id.replace(['_', '.'], " ")
 }
 
 impl Draft {
@@ -127,6 +159,11 @@ impl Draft {
             plant: step.plant.parameters()?,
             effects: step.effects.clone(),
         })
+    }
+
+    fn candidate(&self, id: &str) -> Result<&'static dyn Effect, Refusal> {
+        let candidate = self.plant.candidate(id);
+        candidate.ok_or_else(|| Refusal::not_found("effect"))
     }
 
     fn effect(&mut self, id: &str) -> Result<&mut StepEffect, Refusal> {
@@ -141,21 +178,13 @@ impl Draft {
         form: Option<&str>,
         diagnosed: Option<&Diagnosed>,
     ) -> Result<String, Refusal> {
-        let about = library(id)?.about();
+        let about = self.candidate(id)?.about();
         if self.effect(id).is_ok() {
             return Err(Refusal::value(format!(
                 "the plant has the effect {id} already; switch it on or move its parameters"
             )));
         }
-        let candidate = diagnosed
-            .and_then(|found| {
-                found
-                    .diagnosis
-                    .candidates
-                    .iter()
-                    .find(|one| one.effect == id)
-            })
-            .filter(|candidate| form.is_none_or(|form| form == candidate.variant));
+        let candidate = diagnosed.and_then(|found| fitted_effect(found, id, form));
         let form = form.or(candidate.map(|candidate| &candidate.variant[..]));
         let variant = match form {
             Some(form) => about
@@ -163,7 +192,7 @@ impl Draft {
                 .ok_or_else(|| Refusal::not_found("form of the effect"))?,
             None => &about.variants[0],
         };
-        let mut setting = EffectSetting::typical_variant(library(id)?, variant);
+        let mut setting = EffectSetting::typical_variant(self.candidate(id)?, variant);
         let fitted = candidate.map_or(&[][..], |candidate| &candidate.parameters);
         for found in fitted {
             if variant.parameters.iter().any(|spec| spec.key == found.key) {
@@ -173,34 +202,33 @@ impl Draft {
         let words = format!("added {} ({})", title(id), variant.name);
         self.effects.push(StepEffect::of(&setting, fitted));
         match diagnosed {
-            Some(found) if !fitted.is_empty() => {
-                self.take_what_was_fitted_with(id, found)?;
-                self.install(&setting, &origin(found))?;
-            }
+            Some(found) if candidate.is_some() => self.install(&setting, &origin(found))?,
             _ => self.install(&setting, "a size that is met in practice")?,
         }
         Ok(words)
     }
 
     /// Takes the parameters that differ between rigs from the diagnosis, as fitted together with the named effect: with
-    /// the datasheet's values the effect would explain less than it does.
-    fn take_what_was_fitted_with(&mut self, id: &str, found: &Diagnosed) -> Result<(), Refusal> {
+    /// the datasheet's values the effect would explain less than it does. Returns whether one of them changed.
+    fn take_what_was_fitted_with(&mut self, id: &str, found: &Diagnosed) -> Result<bool, Refusal> {
         let before = found.plant.parameters()?;
         if self.plant != before || !found.diagnosis.effects.iter().any(|named| named == id) {
-            return Ok(());
+            return Ok(false);
         }
+        let mut is_changed = false;
         let [_, refined] = found.diagnosis.plain_and_refined(&before);
         for spec in before.specs().filter(|spec| spec.effect_id().is_none()) {
             let (Some(was), Some(fitted)) = (spec.value(&before), spec.value(&refined)) else {
                 continue;
             };
             if was != fitted {
+                is_changed = true;
                 spec.put(&mut self.plant, fitted);
                 let words = format!("{}; was {was}", origin(found));
                 self.plant.provenance.insert(spec.name(), words);
             }
         }
-        Ok(())
+        Ok(is_changed)
     }
 
     /// Adds an effect to the plant.
@@ -213,6 +241,13 @@ impl Draft {
         Ok(self.plant.check()?)
     }
 
+    /// Returns an effect of the plant, whether it is on or off.
+    fn setting(&self, id: &str) -> Result<EffectSetting, Refusal> {
+        let found = self.effects.iter().find(|effect| effect.effect == id);
+        let found = found.ok_or_else(|| Refusal::not_found("effect in this plant"))?;
+        found.setting(&self.plant)
+    }
+
     fn remove(&mut self, id: &str) -> Result<String, Refusal> {
         self.effect(id)?;
         self.effects.retain(|effect| effect.effect != id);
@@ -221,9 +256,8 @@ impl Draft {
     }
 
     fn switch(&mut self, id: &str, is_on: bool) -> Result<String, Refusal> {
-        let effect = self.effect(id)?;
-        effect.is_on = is_on;
-        let setting = effect.setting()?;
+        self.effect(id)?.is_on = is_on;
+        let setting = self.setting(id)?;
         if is_on {
             self.install(&setting, BY_HAND)?;
         } else {
@@ -238,17 +272,17 @@ impl Draft {
 
     /// Changes the form of the law; parameters of both forms keep their values.
     fn form(&mut self, id: &str, form: &str) -> Result<String, Refusal> {
-        let library_effect = library(id)?;
-        let variant = library_effect.about().variant(form);
+        let candidate = self.candidate(id)?;
+        let variant = candidate.about().variant(form);
         let variant = variant.ok_or_else(|| Refusal::not_found("form of the effect"))?;
-        let effect = self.effect(id)?;
-        let before = effect.setting()?;
-        let mut setting = EffectSetting::typical_variant(library_effect, variant);
+        let before = self.setting(id)?;
+        let mut setting = EffectSetting::typical_variant(candidate, variant);
         for spec in variant.parameters {
             if let Some(value) = before.get(spec.key) {
                 setting = setting.with(spec.key, value);
             }
         }
+        let effect = self.effect(id)?;
         let is_on = effect.is_on;
         *effect = StepEffect {
             is_on,
@@ -262,7 +296,9 @@ impl Draft {
 
     fn set(&mut self, id: &str, key: &str, value: f64) -> Result<String, Refusal> {
         let name = format!("effects.{id}.{key}");
-        let spec = ParameterSpec::by_name(&name)
+        let spec = self
+            .plant
+            .any_spec(&name)
             .ok_or_else(|| Refusal::not_found("parameter of the effect"))?;
         if !spec.contains(value) || !value.is_finite() {
             let (lowest, highest) = spec.range;

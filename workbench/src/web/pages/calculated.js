@@ -14,7 +14,7 @@ export class CalculatedChannels {
     this.element = element("section", { class: "card", "aria-labelledby": "calculated-title" },
       element("h2", { id: "calculated-title" }, "Calculated channels"),
       element("p", { class: "quiet" }, "A channel is added to each log that has the signals of its formula, in the units of the log. "
-        + "A formula has numbers, names, + − * / ( ), abs, sqrt, min and max. Put a name with spaces or signs in double quotes."),
+        + "A formula has numbers, names, + − * / ^ ( ), abs, sqrt, exp, ln, sin, cos, tanh, min and max. Put a name with spaces or signs in double quotes."),
       this.table, this.units, this.problem,
       element("p", { class: "row" },
         button("Add a channel", () => this.add({ name: "", unit: "", formula: "" }).name.focus(), { id: "add-channel" }),

@@ -3,6 +3,7 @@
 import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number, percent, signed, titled } from "../format.js";
+import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
 import { Cursors } from "./compare/cursors.js";
@@ -26,6 +27,15 @@ export async function show(place) {
   return page;
 }
 
+/** Returns mark and words of the state of the model; `found` is the diagnosis, if there is one. */
+function stateOf(verdict, found) {
+  if (verdict.holds) return ["good", "within tolerance"];
+  const lacking = found?.is_of_plant ? found.diagnosis.effects : [];
+  if (found?.explains_plant && lacking.length > 0) return ["open", `explained by ${lacking.map((id) => id.replaceAll("_", " ")).join(" and ")}, which the plant lacks`];
+  if (found?.explains_plant) return ["open", "explained, above the sensor's noise"];
+  return verdict.failing.length > 0 ? ["bad", "unexplained"] : ["open", "undecided"];
+}
+
 class Page {
   constructor(place, project, logs, log) {
     Object.assign(this, { place, project, logs, log, comparison: null });
@@ -33,7 +43,7 @@ class Page {
     this.ending = new AbortController();
     this.verdict = element("div", { class: "verdict", role: "status", id: "verdict" });
     this.cursors = new Cursors(log, () => this.plots.mark());
-    this.plots = new TimePlots(log, logs, this.cursors, { onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved) });
+    this.plots = new TimePlots(log, logs, project.plant, this.cursors, { onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved) });
     this.regimes = new Regimes(() => this.plots.refresh());
     this.closer = element("div", { class: "stack" });
     const choice = element("select", { id: "log", on: { change: () => view.go("compare", { log: Number(choice.value) }) } },
@@ -46,7 +56,7 @@ class Page {
       element("div", { class: "columns plots" },
         element("div", { class: "stack wide" }, this.plots.element),
         element("aside", { class: "stack" }, this.cursors.element, this.findings = element("section", { class: "card", hidden: true }))),
-      this.regimes.element, this.closer);
+      this.regimes.element, this.closer, this.next = element("div", {}));
   }
 
   leave() {
@@ -90,15 +100,26 @@ class Page {
   async take() {
     this.comparison = await api.get(`/logs/${this.log.number}/comparison`);
     const { verdict, signals } = this.comparison;
-    const other = verdict.failing.length > 0 ? ["bad", "outside tolerance"] : ["open", "undecided"];
-    const word = verdict.holds ? ["good", "within tolerance"] : other;
+    const found = await api.get("/diagnosis");
+    const isExplained = Boolean(found?.explains_plant);
+    const word = stateOf(verdict, found);
+    const failed = isExplained ? "open" : "bad";
     fill(this.verdict, element("span", { class: `chip ${word[0]}`, title: verdict.rule }, `Model: ${word[1]}`),
-      signals.map((signal) => element("span", { class: `chip ${signal.holds === null ? "open" : signal.holds ? "good" : "bad"}`, title: signal.noise_floor.statement },
+      signals.map((signal) => element("span", { class: `chip ${signal.holds === null ? "open" : signal.holds ? "good" : failed}`, title: signal.noise_floor.statement },
         `${signal.name} ${signal.free_run.rms_in_noise === null ? `${number(signal.free_run.rms, 3)} ${signal.unit}` : `${number(signal.free_run.rms_in_noise, 3)} × noise`}`)));
     this.showFindings(signals);
+    fill(this.next, this.nextStep(verdict, found));
     this.regimes.take(this.log, this.comparison);
     this.looks = closerLooks(this.closer, this.log, this.logs, this.comparison, this.project, () => this.plots.refresh());
     await this.plots.refresh();
+  }
+
+  /** Returns the line with the next step. */
+  nextStep(verdict, found) {
+    if (!verdict.holds && !found?.explains_plant) return nextLine("find the physical effect that the model lacks.", "Diagnose", () => view.go("diagnose"));
+    const [missing] = found?.is_of_plant ? found.diagnosis.effects : [];
+    if (verdict.holds || !missing) return nextLine("close the loop on this plant.", "Control", () => view.go("control"));
+    return nextLine("add the effect that explains the error.", `Add ${missing.replaceAll("_", " ")}`, () => view.go("refine", { add: missing }));
   }
 
   showFindings(signals) {

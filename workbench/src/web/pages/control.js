@@ -3,6 +3,8 @@
 import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { BatchCard } from "./control/batch.js";
+import { nextLine } from "../next.js";
+import * as view from "../view.js";
 import { RunPlots } from "./control/charts.js";
 import { controllerForm } from "./control/controller.js";
 import { profileForm } from "./control/profile.js";
@@ -33,7 +35,8 @@ class Page {
         button("Run again", () => this.run(), { id: "run", class: "primary" })),
       element("div", { class: "columns plots" },
         element("div", { class: "stack wide" }, this.plots.element, this.table, this.batch.element),
-        element("aside", { class: "stack" }, this.profile, this.controller)));
+        element("aside", { class: "stack" }, this.profile, this.controller)),
+      nextLine("write the report of this session.", "Report", () => view.go("report")));
     this.showQuery();
   }
 

@@ -3,6 +3,7 @@
 import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { duration, number, unitText } from "../format.js";
+import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { Candidates } from "./diagnose/candidates.js";
 import { Experiment } from "./diagnose/experiment.js";
@@ -32,6 +33,8 @@ const VERDICTS = {
   plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Partly explained"], not_in_library: ["bad", "Not in library"],
 };
 
+const PAGE_TITLES = { compare: "Compare", control: "Control", refine: "Refine" };
+
 class Page {
   constructor(place, project, logs, effects) {
     Object.assign(this, { place, project, logs, effects, parts: [] });
@@ -48,7 +51,8 @@ class Page {
       element("section", { class: "bar row" },
         this.roles.element, element("span", {}, "compared with ", element("strong", {}, this.project.plant.name)),
         element("span", { class: "space" }), this.work.element, this.start),
-      this.answer);
+      this.answer, this.next = element("div", {}));
+    fill(this.next, nextLine("diagnose these logs.", "Diagnose", () => this.diagnose()));
     if (found) this.take(found);
     else fill(this.answer, element("section", { class: "card" },
       element("p", {}, "Adds each effect of the library, in each of its forms, to the plant and fits it with the ordinary parameters. Names the effects that explain the error on the validation data. Takes about 30 s per minute of log."),
@@ -57,9 +61,9 @@ class Page {
   }
 
   async diagnose() {
-    this.start.hidden = true;
+    this.start.hidden = this.next.hidden = true;
     const isDone = await this.work.run("/diagnose", this.roles.chosen);
-    this.start.hidden = false;
+    this.start.hidden = this.next.hidden = false;
     if (!isDone) return;
     try {
       this.take(await api.get("/diagnosis"));
@@ -93,8 +97,19 @@ class Page {
             errorSteps(rungsOf(diagnosis.error_steps)), this.freeRun(diagnosis)),
           this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
+    fill(this.next, this.nextStep(found));
     remaining.redraw();
     document.body.dataset.diagnosed = diagnosis.verdict;
+  }
+
+  /** Returns the line with the next step after a diagnosis. */
+  nextStep({ diagnosis: { verdict, effects }, is_of_plant: isOfPlant, explains_plant: explainsPlant }) {
+    const to = (words, page) => nextLine(words, PAGE_TITLES[page], () => view.go(page));
+    if (!isOfPlant) return explainsPlant ? to("compare the refined plant with the logs.", "compare") : nextLine("diagnose the changed plant.", "Diagnose again", () => this.diagnose());
+    if (effects.length > 0) return nextLine("add the effect to the plant.", `Add ${(this.effects.get(effects[0])?.title ?? effects[0]).toLowerCase()}`, () => this.add(effects[0]));
+    if (verdict === "adequate") return to("close the loop on this plant.", "control");
+    if (verdict === "plant_file_wrong") return to("estimate the ordinary parameters.", "refine");
+    return to("see where the error is.", "compare");
   }
 
   verdict({ diagnosis, plant, is_of_plant }) {

@@ -1,17 +1,28 @@
 // Error steps, effect by effect: bars in multiples of the noise of each signal.
 
-import { element } from "../dom.js";
-import { number, titled } from "../format.js";
+import { element, table } from "../dom.js";
+import { number, titled, unitText } from "../format.js";
 
 const multiple = (error) => error.rms !== null && error.noise_floor ? error.rms / error.noise_floor : null;
 
-/** Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
+/**
+ * Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }], changed: [{ name, unit, before, after }] }`, the
+ * first at the top.
+ */
 export function errorSteps(rungs) {
   const most = Math.max(1.5, ...rungs.flatMap((rung) => rung.errors.map(multiple)).filter((times) => times !== null));
   const place = (times) => `${100 * Math.min(1, times / most)}%`;
   return element("div", { class: "error-steps", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
     element("h3", {}, rung.title),
-    rung.errors.map((error) => bar(error, multiple(error), place, index === 0)))));
+    rung.errors.map((error) => bar(error, multiple(error), place, index === 0)),
+    rung.changed?.length > 0 && changedValues(rung.changed))));
+}
+
+/** Returns the values that a row changes. */
+function changedValues(changed) {
+  const rows = changed.map(({ name, before, after, unit }) => [name, number(before), number(after), unitText(unit)]);
+  return element("details", { class: "changed" }, element("summary", {}, rows.length === 1 ? "1 value" : `${rows.length} values`),
+    element("div", { class: "scroll" }, table(["parameter", "as opened", "now", "unit"], rows, "numbers dense")));
 }
 
 function bar(error, times, place, isFirst) {

@@ -3,8 +3,10 @@
 import * as api from "../api.js";
 import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
 import { count, duration, number } from "../format.js";
+import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
+import { inspectionView } from "./inspection.js";
 import { mappingForm } from "./mapping.js";
 
 export const title = "Logs and plant";
@@ -26,7 +28,8 @@ class Page {
     this.examples = element("section", { class: "card", "aria-labelledby": "examples-title" });
     fill(place, element("div", { class: "columns" },
       element("div", { class: "stack wide" }, this.dropZone(), this.logs),
-      element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)));
+      element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)),
+      this.next = element("div", {}));
   }
 
   async refresh() {
@@ -41,7 +44,16 @@ class Page {
       project.logs.length === 0 && element("p", { class: "quiet" }, "No log is open. Drop a log above, or open an example on the right."),
       project.logs.map((log) => this.logCard(log)));
     this.showPlant(project.plant);
+    fill(this.next, this.nextStep(project.logs));
     this.calculated.take(project.calculated, project.logs.flatMap((log) => log.summary?.signals ?? []));
+  }
+
+  /** Returns the line with the next step. */
+  nextStep(logs) {
+    const log = logs.find((one) => !one.problem);
+    if (log) return nextLine(`compare ${log.name} with the plant.`, "Compare", () => view.go("compare", { log: log.number }));
+    if (logs.length === 0) return nextLine("open a log, or an example.", "Choose files …", () => document.getElementById("files").click());
+    return nextLine(`map the columns of ${logs[0].name}.`, "Show columns", () => document.querySelector(".log").scrollIntoView());
   }
 
   /** Adds these channels to every log; returns their problems. */
@@ -55,9 +67,9 @@ class Page {
   }
 
   dropZone() {
-    const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat", on: { change: () => this.takeChosen(input) } });
+    const input = element("input", { type: "file", multiple: true, id: "files", accept: ".csv,.tsv,.txt,.toml,.mf4,.dat,.parquet,.mat,.h5", on: { change: () => this.takeChosen(input) } });
     const zone = element("section", { class: "drop", id: "drop", "aria-label": "Open files" },
-      element("p", {}, element("strong", {}, "Drop logs here"), " (one or several; CSV with units in the header, or MF4) or a plant file (TOML)."),
+      element("p", {}, element("strong", {}, "Drop logs here"), " (one or several; CSV, MF4, Parquet or MATLAB) or a plant file (TOML)."),
       element("p", {}, element("label", { class: "button primary", for: "files" }, "Choose files …"), input),
       this.progress = element("p", { class: "quiet", role: "status" }));
     const over = (event) => { event.preventDefault(); zone.classList.add("over"); };
@@ -159,26 +171,43 @@ class Page {
     }
   }
 
-  async fillDetails(log, details) {
+  /** Shows what is in the log; `reference` is that of pressures whose unit states none. */
+  async fillDetails(log, details, reference) {
     try {
-      const preview = await api.get(`/logs/${log.number}/preview`);
+      const preview = await api.get(`/logs/${log.number}/preview${reference ? `?pressure=${reference}` : ""}`);
+      const { inspection } = preview;
+      if (reference && (inspection?.mapping_with_reference ?? inspection?.mapping)) {
+        await this.mapColumns(log, { toml: inspection.mapping_with_reference ?? inspection.mapping });
+        return;
+      }
+      if (log.problem && inspection && isUnderstood(inspection)) this.showUnderstood(details.parentElement);
       fill(details,
+        inspection && inspectionView(inspection, (answer) => this.fillDetails(log, details, answer), (toml) => this.mapColumns(log, { toml })),
         preview.around && [element("h3", {}, "Lines around the error"), rawTable(preview.around, log.problem)],
         preview.rows.length > 0 && [element("h3", {}, "First rows as signals"), valueTable(preview)],
         preview.head.lines.length > 0 && [element("h3", {}, "First lines (raw)"), rawTable(preview.head, log.problem)],
-        mappingForm(log, preview, async (form) => {
-          try {
-            const project = await api.put(`/logs/${log.number}/mapping`, form);
-            const after = project.logs.find((one) => one.number === log.number);
-            if (!after.problem) { this.open.delete(log.number); showMessage(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
-            this.showProject(project);
-          } catch (refusal) {
-            showProblems(refusal, "Mapping");
-          }
-        }));
+        mappingForm(log, preview, (form) => this.mapColumns(log, form)));
       if (log.summary?.sha256) details.append(element("p", { class: "quiet" }, `SHA-256 ${log.summary.sha256}`));
     } catch (refusal) {
       showProblems(refusal, log.name);
+    }
+  }
+
+  /** Replaces the problem of a log whose columns are all recognised. */
+  showUnderstood(card) {
+    card.classList.remove("wrong");
+    card.querySelector(":scope > .problem").replaceWith(element("p", { class: "understood" },
+      "All columns are recognised. Check them, then use these signals."));
+  }
+
+  async mapColumns(log, form) {
+    try {
+      const project = await api.put(`/logs/${log.number}/mapping`, form);
+      const after = project.logs.find((one) => one.number === log.number);
+      if (!after.problem) { this.open.delete(log.number); showMessage(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
+      this.showProject(project);
+    } catch (refusal) {
+      showProblems(refusal, "Mapping");
     }
   }
 
@@ -238,11 +267,14 @@ class Page {
   }
 
   async closeAll() {
-    if (!await ask("Close all logs and the plant, and discard all results?", { close: "Close everything" })) return;
+    if (!await ask("Close all logs and the plant, and discard all results? This cannot be undone.", { close: "Close everything" })) return;
     this.open.clear();
     this.showProject(await api.remove("/project"));
   }
 }
+
+/** Returns whether an inspection proposes a mapping that reads the log, without a question to the user. */
+const isUnderstood = ({ mapping, problem, open }) => Boolean(mapping) && !problem && open.length === 0;
 
 function rawTable(text, problem) {
   return element("div", { class: "scroll" }, element("table", { class: "raw" }, element("tbody", {}, text.lines.map((line) => element("tr", { class: problem?.line === line.number ? "wrong" : undefined },

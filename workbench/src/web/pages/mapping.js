@@ -1,19 +1,17 @@
-// Mapping of the columns of a log whose header does not describe them.
+// Form that maps the columns of a log; the inspection of the log fills it.
 
 import { button, element } from "../dom.js";
 import { Filter } from "../filter.js";
 
-/** Creates the form for a log; `apply` gets its content. */
+/** Creates the form for a log, filled from its inspection; `apply` gets its content. */
 export function mappingForm(log, preview, apply) {
-  const isText = preview.channels.length === 0;
-  const width = Math.max(...preview.head.lines.map((line) => line.cells.length), 0);
-  const first = preview.head.lines[0]?.cells ?? [];
-  const hasHeader = first.some((cell) => /[a-z]/i.test(cell));
-  const header = element("input", { type: "checkbox", checked: hasHeader });
-  const skip = element("input", { type: "number", min: 0, value: 0, class: "short" });
-  const rows = isText
-    ? Array.from({ length: width }, (_, index) => columnRow(index + 1, `${index + 1}${hasHeader ? ` ${first[index] ?? ""}` : ""}`, hasHeader ? guess(first[index] ?? "") : OPEN, preview))
-    : preview.channels.map((channel) => columnRow(channel.key, `${channel.key} [${channel.unit}]`, OPEN, preview, channel.obstacle));
+  const { inspection } = preview;
+  const dialect = inspection?.dialect;
+  const isText = !inspection || Boolean(dialect);
+  const columns = inspection?.columns ?? unknownColumns(preview.head.lines);
+  const header = element("input", { type: "checkbox", checked: dialect?.header ?? true });
+  const skip = element("input", { type: "number", min: 0, value: dialect?.skip_lines ?? 0, class: "short" });
+  const rows = columns.map((column, index) => columnRow(isText ? index + 1 : column.key, column, preview, use(column, isText)));
   const names = element("datalist", { id: `names-${log.number}` }, preview.known.map((known) => element("option", { value: known.name })));
   const units = element("datalist", { id: `units-${log.number}` }, preview.units.map((unit) => element("option", { value: unit })));
   for (const row of rows) {
@@ -23,8 +21,11 @@ export function mappingForm(log, preview, apply) {
   const filter = new Filter(isText ? "columns" : "channels");
   filter.take(rows.map(({ line, heading, name }) => ({ line, get text() { return `${heading} ${name.value}`; } })));
   const toml = element("textarea", { rows: 8, spellcheck: false, value: preview.mapping ?? "", placeholder: "schema = 1" });
-  const dialect = () => ({ header: header.checked, skip_lines: Number(skip.value) || 0, delimiter: preview.head.delimiter });
-  const send = () => apply({ columns: rows.map((row) => row.value()).filter(Boolean), ...(isText ? dialect() : {}) });
+  const stated = () => ({
+    header: header.checked, skip_lines: Number(skip.value) || 0, delimiter: dialect?.delimiter ?? preview.head.delimiter,
+    decimal: dialect?.decimal, units_row: dialect?.units_row, missing: inspection?.missing_words,
+  });
+  const send = () => apply({ columns: rows.map((row) => row.value()).filter(Boolean), ...(isText ? stated() : {}) });
   return element("details", { class: "mapping", open: Boolean(log.problem) && !preview.mapping },
     element("summary", {}, "Map columns"),
     element("p", { class: "quiet" }, "A column set to “from header” needs a header with name and unit, such as p_ch_bar_gauge. The unit of a pressure states gauge or absolute."),
@@ -46,23 +47,27 @@ export function mappingForm(log, preview, apply) {
       element("p", {}, button("Apply TOML", () => apply({ toml: toml.value })))));
 }
 
-const OPEN = { role: "by_header", unit: "" };
-
-/** Guesses a mapping from a header; the user sees each guess before it is applied. */
-function guess(text) {
-  const plain = text.toLowerCase();
-  if (/^(time|zeit|t)\b|^time_|^t_s$|timestamp/.test(plain)) return { role: "time", unit: /us|µs/.test(plain) ? "us" : /ms/.test(plain) ? "ms" : "s" };
-  return OPEN;
+/** Returns columns without a guess for a file that could not be inspected. */
+function unknownColumns(lines) {
+  const width = Math.max(...lines.map((line) => line.cells.length), 0);
+  return Array.from({ length: width }, (_, index) => ({ key: `${index + 1}`, unit_in_file: "", reason: "", is_by_header: true }));
 }
 
-function columnRow(column, heading, guessed, preview, obstacle) {
+/** Returns the use of an inspected column; a channel needs no line that ignores it. */
+function use(column, isText) {
+  if (column.is_by_header) return "by_header";
+  if (!column.signal) return isText ? "ignore" : "by_header";
+  return column.signal === "time" ? "time" : "signal";
+}
+
+function columnRow(column, inspected, preview, used) {
   const role = element("select", { "aria-label": `use of column ${column}` },
-    [["by_header", "from header"], ["time", "time"], ["signal", "signal"], ["ignore", "ignored"]].map(([value, text]) => element("option", { value, selected: value === guessed.role }, text)));
+    [["by_header", "from header"], ["time", "time"], ["signal", "signal"], ["ignore", "ignored"]].map(([value, text]) => element("option", { value, selected: value === used }, text)));
   const field = (label, properties) => element("input", { "aria-label": `${label} of column ${column}`, class: "short", ...properties });
-  const name = field("signal", { placeholder: "p_ch" });
-  const unit = field("unit", { value: guessed.unit, placeholder: "bar_gauge", class: "unit" });
-  const scale = field("factor", { type: "number", step: "any", placeholder: "1" });
-  const offset = field("offset", { type: "number", step: "any", placeholder: "0" });
+  const name = field("signal", { value: used === "signal" ? inspected.signal : "", placeholder: "p_ch" });
+  const unit = field("unit", { value: used === "by_header" ? "" : inspected.unit ?? "", placeholder: "bar_gauge", class: "unit" });
+  const scale = field("factor", { type: "number", step: "any", placeholder: "1", value: inspected.scale ?? "" });
+  const offset = field("offset", { type: "number", step: "any", placeholder: "0", value: inspected.offset ?? "" });
   const enable = () => {
     const isSignal = role.value === "signal";
     name.disabled = !isSignal;
@@ -78,7 +83,9 @@ function columnRow(column, heading, guessed, preview, obstacle) {
   const value = () => role.value === "by_header" ? null : {
     column, role: role.value, name: name.value.trim(), unit: unit.value.trim(),
     scale: scale.value === "" ? null : Number(scale.value), offset: offset.value === "" ? null : Number(offset.value),
+    thousands_separator: inspected.thousands_separator, plausible: inspected.plausible,
   };
-  const line = element("tr", {}, element("th", { scope: "row", title: obstacle }, heading, obstacle && element("span", { class: "unit" }, obstacle)), [role, name, unit, scale, offset].map((control) => element("td", {}, control)));
+  const heading = `${inspected.key}${inspected.unit_in_file ? ` [${inspected.unit_in_file}]` : ""}`;
+  const line = element("tr", {}, element("th", { scope: "row", title: inspected.reason }, heading, inspected.reason && element("span", { class: "unit" }, inspected.reason)), [role, name, unit, scale, offset].map((control) => element("td", {}, control)));
   return { line, heading, name, unit, value };
 }

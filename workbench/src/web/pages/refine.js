@@ -3,6 +3,7 @@
 import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number } from "../format.js";
+import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
 import { Effects } from "./refine/effects.js";
@@ -66,12 +67,13 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card", id: "error-steps" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its current ordinary parameters, then with one more effect in each row.`),
+            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
             this.rungs, this.cost),
           this.plots.element, this.estimated, this.experiment.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
-          element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))));
+          element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))),
+      this.next = element("div", {}));
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
       const add = view.text("add");
@@ -128,6 +130,9 @@ class Page {
     this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
     this.effects.take(state.effects);
     this.showSteps(state);
+    fill(this.next, state.at > 0 || state.effects.length > 0
+      ? nextLine("compare the refined plant with the log.", "Compare", () => view.go("compare", { log: this.log.number }))
+      : nextLine("find the physical effect that the model lacks.", "Diagnose", () => view.go("diagnose")));
     this.fitted.hidden = !state.fit;
     if (state.fit) {
       fill(this.fitted, element("h2", {}, "Last fit"),
@@ -183,7 +188,10 @@ class Page {
   /** Moves the bars from their previous lengths; the bars of a new row start at the errors of the plant as opened. */
   showErrorSteps(rungs) {
     const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
+    const isOpen = Boolean(this.rungs.querySelector(".changed[open]"));
     fill(this.rungs, errorSteps(rungs));
+    const changed = this.rungs.querySelector(".changed");
+    if (changed) changed.open = isOpen;
     [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
       const from = before[index] ?? before[0] ?? [];
       rung.querySelectorAll(".fill").forEach((bar, signal) => {

@@ -3,6 +3,8 @@
 import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { percent } from "../format.js";
+import { nextLine } from "../next.js";
+import * as view from "../view.js";
 
 export const title = "Report";
 
@@ -17,6 +19,7 @@ class Page {
     this.ending = new AbortController();
     this.contents = element("ul", { class: "signals" });
     this.status = element("div", { class: "verdict", role: "status", id: "report-status" });
+    this.writing = button("Write the report", () => this.write(), { class: "primary", id: "write-report", disabled: true });
     this.file = element("a", { class: "button", id: "download-report", download: "report.html", href: api.address("/report/file"), hidden: true }, "Download report.html");
     this.frame = element("div", { class: "paper", hidden: true });
     fill(place,
@@ -25,8 +28,8 @@ class Page {
         element("p", { class: "quiet" }, "One HTML file with figures and tables, for screen, print or e-mail. It needs no other file. ",
           element("code", {}, "retarder report"), " writes the same report on the command line."),
         this.contents,
-        element("div", { class: "row" }, button("Write the report", () => this.write(), { class: "primary", id: "write-report" }), this.file, this.status)),
-      this.frame);
+        element("div", { class: "row" }, this.writing, this.file, this.status)),
+      this.frame, this.next = element("div", {}));
   }
 
   leave() {
@@ -41,6 +44,9 @@ class Page {
 
   async refresh() {
     const state = await api.get("/report");
+    this.writing.disabled = state.logs === 0;
+    this.writing.title = state.logs === 0 ? "There is no log to report on; open one on the page Logs and plant" : "";
+    fill(this.next, this.nextStep(state));
     const some = (count, one, many) => count === 1 ? `1 ${one}` : `${count} ${many}`;
     const line = (isThere, text) => element("li", {}, element("span", { class: `chip ${isThere ? "good" : "open"}` }, text));
     fill(this.contents,
@@ -52,7 +58,15 @@ class Page {
     return state;
   }
 
+  /** Returns the line with the next step. */
+  nextStep({ logs, has_report: hasReport }) {
+    if (logs === 0) return nextLine("open a log.", "Logs and plant", () => view.go("logs"));
+    if (hasReport) return nextLine("keep the report.", "Download report.html", () => this.file.click());
+    return nextLine("write the report.", "Write the report", () => this.write());
+  }
+
   async write() {
+    this.writing.hidden = this.next.hidden = true;
     const bar = element("progress", { max: 1, value: 0, "aria-label": "writing" });
     const share = element("span", { class: "quiet" });
     const stop = new AbortController();
@@ -68,6 +82,8 @@ class Page {
       if (this.ending.signal.aborted) return;
       fill(this.status, element("span", { class: "chip open" }, "not written"));
       if (refusal.name !== "AbortError") showProblems(refusal, "Report");
+    } finally {
+      this.writing.hidden = this.next.hidden = false;
     }
   }
 

@@ -8,7 +8,7 @@ mod rig;
 mod stuck;
 mod watch;
 
-use ecu::Supervision;
+use crate::scenario::Scenario;
 
 use super::Observation;
 use super::fault_reaction::FaultReaction;
@@ -115,9 +115,9 @@ impl Past {
 }
 
 impl Conditions {
-    pub(super) fn new(supervision: &Supervision) -> Self {
+    pub(super) fn new(scenario: &Scenario) -> Self {
         Self {
-            rig: Rig::new(supervision),
+            rig: Rig::new(scenario),
             past: Past::none(),
         }
     }

@@ -15,8 +15,8 @@ pub(super) struct Offset {
 
 impl Offset {
     pub(super) fn look(&mut self, rig: &Rig, observation: &Observation, memory: &Memory) -> bool {
-        let is_vented = memory.coil_settled(1, |duty| duty >= rig.open_pct[1])
-            && memory.coil_settled(0, |duty| duty == 0.0);
+        let is_vented =
+            memory.is_open(1, rig.open_pct[1]) && memory.coil_settled(0, |duty| duty == 0.0);
         let is_shown = observation
             .shown_bar()
             .is_some_and(|shown| shown > bounds::EMPTY_BAR + 0.01);

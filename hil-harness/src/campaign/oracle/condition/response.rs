@@ -27,10 +27,8 @@ impl Response {
         let change_bar = shown_bar - before_bar;
         let [fill_off, vent_off] =
             [0, 1].map(|valve| memory.coil_settled(valve, |duty| duty == 0.0));
-        let [fill_open, vent_open] = [0, 1].map(|valve| {
-            let is_open = memory.coil_settled(valve, |duty| duty >= rig.open_pct[valve]);
-            f64::from(u8::from(is_open))
-        });
+        let [fill_open, vent_open] =
+            [0, 1].map(|valve| f64::from(u8::from(memory.is_open(valve, rig.open_pct[valve]))));
         let rise_bar = rig.rise * (rig.supply_min_bar - shown_bar).max(0.0) * fill_open;
         let fall_bar = rig.fall * shown_bar.max(0.0) * vent_open;
         self.too_little_bar = summed(

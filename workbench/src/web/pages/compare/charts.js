@@ -1,12 +1,12 @@
 // Traces: one plot for each signal, with the residual and its noise below, all on one time axis.
 
 import * as api from "../../api.js";
-import { plotly, saveImage } from "../../chart.js";
+import { label, plotly, saveImage } from "../../chart.js";
 import { button, element, fill, save, showProblems } from "../../dom.js";
 import { Filter } from "../../filter.js";
-import { count, number, percent, signed, titled } from "../../format.js";
+import { count, fileName, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
-import { TimeView } from "../../time-view.js";
+import { NAMES, TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
 import { Differences } from "./differences.js";
 
@@ -22,6 +22,8 @@ const STATES = ["filling", "venting", "both"];
 
 const showsStates = () => view.text("states") !== null;
 
+const isDuty = (signal) => signal.name.startsWith("duty_");
+
 /** Creates time intervals as one shape through all plots. */
 function bands(pieces, role) {
   const path = pieces.map(([begin, end]) => `M${begin},0L${begin},1L${end},1L${end},0Z`).join("");
@@ -36,17 +38,18 @@ function verdictOf(band) {
 }
 
 export class TimePlots extends TimeView {
-  constructor(log, logs, cursors, { onView, onShift }) {
+  constructor(log, logs, plant, cursors, { onView, onShift }) {
     super("time-plots", ", a and b set a cursor in the centre");
-    Object.assign(this, { log, logs, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
+    Object.assign(this, { log, logs, plant, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
     this.differences = new Differences(log, () => this.refresh());
     this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
+    this.legend = element("span", { class: "row legend", id: "legend" });
     this.metrics = element("div", { class: "scroll" });
     this.element = element("section", { class: "card", "aria-label": "Traces" },
       this.tools("Measured and modelled", "Whole log", this.exports()),
-      this.legend(), this.filter.element, this.choices, this.differences.element, this.over,
+      this.legend, this.filter.element, this.choices, this.differences.element, this.over,
       element("p", { class: "quiet hint" }, "Drag or Ctrl and wheel to zoom, drag with Shift to pan, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
         logs.length > 1 && " Drag with Ctrl to shift the overlaid log."),
       element("h3", {}, "Residual within the visible range"), this.metrics, this.differences.metrics);
@@ -54,15 +57,29 @@ export class TimePlots extends TimeView {
     this.listenToShifts();
   }
 
-  legend() {
-    const entry = (role, text) => element("span", { class: `key ${role}` }, text);
-    return element("span", { class: "row legend" }, entry("measured", "measured"), entry("model", "modelled"), entry("residual", "measured − modelled"), entry("noise", "±2 σ of the noise"), entry("limit", "rms limit"), entry("tolerance", "tolerance"));
+  /** Lists what is drawn. */
+  showLegend() {
+    const shown = this.shown();
+    const residuals = shown.map((signal) => signal.residual).filter(Boolean);
+    const isDrawn = {
+      measured: shown.some((signal) => !isDuty(signal)), model: shown.some((signal) => signal.model), residual: residuals.length > 0,
+      noise: residuals.some((residual) => residual.noise), limit: residuals.some((residual) => residual.limit), tolerance: residuals.some((residual) => residual.band),
+      fill: shown.some((signal) => signal.name === "duty_fill"), vent: shown.some((signal) => signal.name === "duty_vent"),
+    };
+    const roles = Object.keys(isDrawn).filter((role) => isDrawn[role]).map((role) => [role, NAMES[role]]);
+    const overlays = this.overlays.map(({ log }, index) => [`overlay-${index % 2}`, log.name]);
+    fill(this.legend, [...roles, ...overlays].map(([role, text]) => element("span", { class: `key ${role}` }, text)));
+  }
+
+  shown() {
+    return this.traces.signals.filter((signal) => !this.hidden.has(signal.name));
   }
 
   exports() {
-    const name = `${this.log.name.replace(/\.[^.]*$/, "")}-comparison`;
-    const image = (format) => saveImage(this.chart, format, name).catch((error) => showProblems(error, format));
-    const data = (format) => save(`${name}.${format}`, api.address(`/logs/${this.log.number}/${format}?${this.rangeQuery()}`));
+    const name = () => fileName(this.log.name, this.plant.name, this.shown().map((signal) => signal.name));
+    const title = () => `${this.log.name}, plant ${this.plant.name}: ${this.shown().map((signal) => signal.name).join(", ")}`;
+    const image = (format) => saveImage(this.chart, format, name(), title()).catch((error) => showProblems(error, format));
+    const data = (format) => save(`${fileName(this.log.name, this.plant.name, "samples")}.${format}`, api.address(`/logs/${this.log.number}/${format}?${this.rangeQuery()}`));
     return element("div", { class: "popup stack" },
       button("PNG", () => image("png"), { id: "export-png" }), button("SVG", () => image("svg"), { id: "export-svg" }),
       button("CSV of the visible range", () => data("csv"), { id: "export-csv" }), button("MF4 of the visible range", () => data("mf4"), { id: "export-mf4" }));
@@ -179,14 +196,14 @@ export class TimePlots extends TimeView {
 
   /** Returns the plots from top to bottom. */
   panels() {
-    const shown = this.traces.signals.filter((signal) => !this.hidden.has(signal.name));
+    const shown = this.shown();
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
       { height: HEIGHT.signal, title: `${titled(signal.name)} [${signal.unit}]`, draw: (yaxis) => this.drawSignal(signal, yaxis) },
       ...this.differences.panels(this, signal.name),
       ...signal.residual ? [{ height: HEIGHT.residual, title: `${signal.name}: measured − modelled [${signal.residual.unit}]`, ink: "label", draw: (yaxis) => this.drawResidual(signal.residual, yaxis) }] : [],
     ]);
     const inputs = shown.filter((one) => one.is_input);
-    const duties = inputs.filter((one) => one.name.startsWith("duty_"));
+    const duties = inputs.filter(isDuty);
     const input = (signals, title) => ({ height: HEIGHT.input, title: `${title} [${signals[0].unit}]`, draw: (yaxis) => this.drawInput(signals, yaxis) });
     return [
       ...outputs,
@@ -200,17 +217,18 @@ export class TimePlots extends TimeView {
     const marks = { shapes: this.cursors.shapes(), annotations: this.cursors.labels() };
     await this.drawStack(this.panels(), { title: "time in the log [s]", shapes: [...this.states(), ...this.selection(), ...marks.shapes], annotations: marks.annotations });
     const { shapes, annotations } = this.chart.layout;
+    this.showLegend();
     this.unmarked = { shapes: shapes.length - marks.shapes.length, annotations: annotations.length - marks.annotations.length };
   }
 
   drawSignal(signal, yaxis) {
     const { name, unit, measured, model } = signal;
-    const overlays = this.overlays.flatMap(({ traces, shift }, index) => traces.signals.filter((one) => one.name === name && one.unit === unit)
-      .map((one) => [{ t: one.measured.t.map((time) => time === null ? null : time + shift), y: one.measured.y }, index % 2]));
+    const overlays = this.overlays.flatMap(({ log, traces, shift }, index) => traces.signals.filter((one) => one.name === name && one.unit === unit)
+      .map((one) => [{ t: one.measured.t.map((time) => time === null ? null : time + shift), y: one.measured.y }, index % 2, label(log.name)]));
     const measuredLine = this.line(measured, yaxis, "measured", { width: 2 });
     if (measured.t.length < 120) Object.assign(measuredLine, { mode: "lines+markers", marker: { size: 4, color: colour("measured") } });
     return {
-      traces: [...overlays.map(([trace, hue]) => this.line(trace, yaxis, `overlay-${hue}`, { width: 1.1 })), measuredLine, ...model ? [this.line(model, yaxis, "model", { width: 1.2 })] : []],
+      traces: [...overlays.map(([trace, hue, title]) => ({ ...this.line(trace, yaxis, `overlay-${hue}`, { width: 1.1 }), name: title })), measuredLine, ...model ? [this.line(model, yaxis, "model", { width: 1.2 })] : []],
       range: this.rangeOf([measured, ...model ? [model] : [], ...overlays.map(([trace]) => trace)]), ticks: 6,
     };
   }
@@ -226,11 +244,11 @@ export class TimePlots extends TimeView {
   }
 
   drawInput(signals, yaxis) {
-    const isDuty = signals[0].name.startsWith("duty_");
+    const areDuties = isDuty(signals[0]);
     const role = { duty_fill: "fill", duty_vent: "vent" };
     return {
-      traces: signals.map((one) => this.line(one.measured, yaxis, role[one.name] ?? "measured", { shape: isDuty ? "hv" : "linear" })),
-      range: isDuty ? [-6, 106] : this.rangeOf(signals.map((one) => one.measured)),
+      traces: signals.map((one) => this.line(one.measured, yaxis, role[one.name] ?? "measured", { shape: areDuties ? "hv" : "linear" })),
+      range: areDuties ? [-6, 106] : this.rangeOf(signals.map((one) => one.measured)),
     };
   }
 

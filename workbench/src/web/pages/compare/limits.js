@@ -2,6 +2,7 @@
 
 import * as api from "../../api.js";
 import { button, element, showProblems } from "../../dom.js";
+import { menu } from "../../menu.js";
 import * as view from "../../view.js";
 
 /** Fields of a band: heading, key, and factor from the field's unit to the project's. */
@@ -26,13 +27,14 @@ export function limitsMenu(log, strictness) {
     }
   };
   const head = (cells) => element("tr", {}, cells.map((cell) => element("th", { scope: "col" }, cell)));
-  return element("details", { class: "menu", id: "limits" }, element("summary", {}, "Limits"),
+  return menu("Limits",
     element("div", { class: "popup stack" },
       element("label", {}, "within tolerance up to ", allow, " times the noise"),
       element("div", { class: "scroll" }, element("table", { class: "form" },
         element("thead", {}, head(["signal", "or up to this rms", ...BAND.map(([heading]) => heading)])), element("tbody", {}, rows.map((one) => one.line)))),
       element("p", { class: "quiet" }, "The larger of both tolerances is the band. It applies to each sample of the visible range."),
-      button("Apply and compare", apply, { class: "primary" })));
+      button("Apply and compare", apply, { class: "primary" })),
+    { id: "limits" });
 }
 
 function row({ name, error_unit: unit }, { tolerances, bands }) {

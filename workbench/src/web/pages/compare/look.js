@@ -2,6 +2,7 @@
 
 import { saveImage } from "../../chart.js";
 import { button, element, showProblems } from "../../dom.js";
+import { fileName } from "../../format.js";
 import * as view from "../../view.js";
 
 /** Adds the visible range to a request. */
@@ -32,7 +33,10 @@ export class Look {
     this.fetch().catch((error) => showProblems(error, this.title));
   }
 
-  exports(name) {
-    return ["png", "svg"].map((format) => button(format.toUpperCase(), () => saveImage(this.chart, format, name).catch((error) => showProblems(error, format))));
+  /** Creates the buttons that save the chart. A subclass has `log`, `plant` and the shown `content`. */
+  exports() {
+    const name = () => fileName(this.log.name, this.plant.name, this.title, this.content);
+    const title = () => `${this.title} of ${this.log.name}, plant ${this.plant.name}: ${this.content}`;
+    return ["png", "svg"].map((format) => button(format.toUpperCase(), () => saveImage(this.chart, format, name(), title()).catch((error) => showProblems(error, format))));
   }
 }

@@ -112,7 +112,7 @@ export class Regimes {
       return element("tr", { class: view.text("select") === selected ? "picked" : undefined },
         element("th", { scope: "row" }, button(bin.label, () => this.pick(selected), { class: "link regime", data: { select: selected }, "aria-pressed": String(view.text("select") === selected) })),
         element("td", {}, percent(bin.sample_share)),
-        element("td", { class: "share" }, element("meter", { min: 0, max: 1, value: share, "aria-label": "share of the excess" }), percent(error.excess_share)),
+        element("td", { class: "share" }, element("meter", { min: 0, max: 1, value: share, "aria-label": "share of the excess" }), element("span", { class: "figure" }, percent(error.excess_share))),
         element("td", {}, signed(error.bias, 3)));
     });
     return element("details", { open: ["valve_state", "duty_band"].includes(regime.dimension) }, element("summary", {}, regime.title),

@@ -12,6 +12,8 @@ import { Look, chooser, rangeQuery } from "./look.js";
 const CURVE = 160;
 /** Standard deviations that the curve covers. */
 const CURVE_SIGMAS = 5;
+/** Name of the noise in a legend. */
+const NOISE = "measured noise";
 const INK = { measured: "measured", modelled: "model", residual: "residual" };
 
 /** Chart of one trace: the residual, the measured or the modelled values of a signal. */
@@ -25,12 +27,14 @@ class Statistics extends Look {
     ];
     this.trace = traces.some(([key]) => key === view.text(id)) ? view.text(id) : traces[0][0];
     fill(this.tools, element("label", {}, "Of ", chooser(`${id}-of`, traces, this.trace, (trace) => { this.trace = trace; view.set({ [id]: trace }); this.again(); })),
-      element("span", { class: "space" }), this.exports(id));
+      element("span", { class: "space" }), this.exports());
   }
 
   get side() { return this.trace.slice(0, this.trace.indexOf("/")); }
 
   get signal() { return this.trace.slice(this.side.length + 1); }
+
+  get content() { return this.words; }
 
   get words() { return this.side === "residual" ? `${this.signal}: measured − modelled` : this.side === "modelled" ? `${this.signal}, modelled` : this.signal; }
 
@@ -63,7 +67,7 @@ export class Distribution extends Statistics {
     }
     const { from, bin_width: width, density, samples, mean, standard_deviation: deviation } = histogram;
     const x = density.map((_, bin) => from + (bin + 0.5) * width);
-    const bars = { type: "bar", x, y: density.map((value) => value || null), width, marker: { color: colour(INK[this.side]), opacity: 0.6, line: { width: 0 } }, hoverinfo: "all", hovertemplate: "%{x:.5g}: %{y:.3g}<extra></extra>" };
+    const bars = { name: label(this.words), type: "bar", x, y: density.map((value) => value || null), width, marker: { color: colour(INK[this.side]), opacity: 0.6, line: { width: 0 } }, hoverinfo: "all", hovertemplate: "%{x:.5g}: %{y:.3g}<extra></extra>" };
     // The residual of a perfect model is its noise alone, around zero.
     const curve = noise ? normal(this.side === "residual" ? 0 : mean, noise) : { x: [], y: [] };
     // A logarithmic axis shows the tails; one sample is the smallest possible content of a bin.
@@ -71,7 +75,7 @@ export class Distribution extends Statistics {
     const most = 1.6 * Math.max(...density, ...curve.y);
     const seen = curve.x.filter((_, index) => curve.y[index] > least);
     const ends = [from, from + density.length * width, ...seen];
-    await this.show([bars, { type: "scatter", mode: "lines", ...curve, line: { color: colour("limit"), width: 2 } }],
+    await this.show([bars, { name: noise ? NOISE : undefined, type: "scatter", mode: "lines", ...curve, line: { color: colour("limit"), width: 2 } }],
       { title: { text: label(`${this.words} [${unit}]`) }, range: [Math.min(...ends), Math.max(...ends)] },
       { title: { text: label(`share per ${unit}`) }, type: "log", range: [Math.log10(least), Math.log10(most)] });
     this.note.textContent = `${count(samples)} samples in the visible range, mean ${signed(mean)} ${unit}, standard deviation ${number(deviation)} ${unit}. `
@@ -91,8 +95,8 @@ export class Spectrum extends Statistics {
       return;
     }
     const { frequency_hz: x, density: y, segments, resolution_hz: resolution } = spectrum;
-    const line = { type: "scatter", mode: "lines", x, y: y.map((value) => value || null), line: { color: colour(INK[this.side]), width: 1.4 }, hoverinfo: "all", hovertemplate: "%{x:.4g} Hz: %{y:.3g}<extra></extra>" };
-    const noise = { type: "scatter", mode: "lines", x: level ? [x[0], x.at(-1)] : [], y: level ? [level, level] : [], line: { color: colour("limit"), width: 2, dash: "dot" } };
+    const line = { name: label(this.words), type: "scatter", mode: "lines", x, y: y.map((value) => value || null), line: { color: colour(INK[this.side]), width: 1.4 }, hoverinfo: "all", hovertemplate: "%{x:.4g} Hz: %{y:.3g}<extra></extra>" };
+    const noise = { name: level ? NOISE : undefined, type: "scatter", mode: "lines", x: level ? [x[0], x.at(-1)] : [], y: level ? [level, level] : [], line: { color: colour("limit"), width: 2, dash: "dot" } };
     const squared = /^[A-Za-zΩ%°]+$/.test(unitText(unit)) ? `${unitText(unit)}²` : `(${unitText(unit)})²`;
     await this.show([line, noise],
       { title: { text: "frequency [Hz]" }, type: "log", range: [x[0], x.at(-1)].map(Math.log10) },

@@ -1,9 +1,9 @@
 // Traces of the runs on one time axis: pressure with reference, duty cycles, coil currents, armature positions.
 
 import * as api from "../../api.js";
-import { saveImage } from "../../chart.js";
+import { label, saveImage } from "../../chart.js";
 import { button, element, fill, save, showProblems } from "../../dom.js";
-import { number } from "../../format.js";
+import { fileName, number } from "../../format.js";
 import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
@@ -16,6 +16,8 @@ const PANELS = [
 ];
 /** Time shown before and after the beginning of a step (s). */
 const AROUND = [0.2, 1.2];
+
+const runName = (plant) => plant.role === "plant" ? plant.name : `${plant.role}: ${plant.name}`;
 
 export const roleOf = (plant) => plant.role === "plain" ? "plain" : "refined";
 
@@ -34,10 +36,11 @@ export class RunPlots extends TimeView {
     this.result = result;
     const key = (role, text) => element("span", { class: `key ${role}` }, text);
     fill(this.legend, key("measured", "reference"), key("noise", `±${number(result.requirement.p_tol_bar, 2)} bar`),
-      result.runs.map(({ plant }) => key(`run-${roleOf(plant)}`, plant.role === "plant" ? plant.name : `${plant.role}: ${plant.name}`)));
-    const image = (format) => saveImage(this.chart, format, "control").catch((error) => showProblems(error, format));
+      result.runs.map(({ plant }) => key(`run-${roleOf(plant)}`, runName(plant))));
+    const plants = result.runs.map(({ plant }) => plant.name).join(" ");
+    const image = (format) => saveImage(this.chart, format, fileName(result.scenario, plants), `${result.scenario}, plant ${plants}`).catch((error) => showProblems(error, format));
     fill(this.exports, button("PNG", () => image("png")), button("SVG", () => image("svg")),
-      result.runs.map(({ plant }, index) => button(`CSV of the ${plant.role === "plant" ? "run" : plant.role + " plant"}`, () => save("control.csv", api.address(`/control/csv?run=${index}`)))));
+      result.runs.map(({ plant }, index) => button(`CSV of the ${plant.role === "plant" ? "run" : plant.role + " plant"}`, () => save(`${fileName(result.scenario, plant.name, plant.role)}.csv`, api.address(`/control/csv?run=${index}`)))));
     await this.refresh();
   }
 
@@ -77,7 +80,7 @@ export class RunPlots extends TimeView {
     const isPressure = name === "p_ch";
     // The plain run is dashed, so that both runs are visible where they coincide.
     const dash = (role) => role === "plain" && runs.length > 1 ? "dash" : "solid";
-    const lines = this.result.runs.map(({ plant }, run) => this.line(runs[run], yaxis, `run-${roleOf(plant)}`, { shape: isDuty ? "hv" : "linear", dash: dash(roleOf(plant)) }));
+    const lines = this.result.runs.map(({ plant }, run) => this.line(runs[run], yaxis, `run-${roleOf(plant)}`, { shape: isDuty ? "hv" : "linear", dash: dash(roleOf(plant)) })).map((line, run) => ({ ...line, name: label(runName(this.result.runs[run].plant)) }));
     return {
       traces: [...isPressure ? this.reference(yaxis) : [], ...lines],
       range: isDuty ? [-6, 106] : this.rangeOf([...runs, ...isPressure ? this.signal("p_ref").runs : []]), ticks: isPressure ? 8 : 3,
@@ -90,7 +93,7 @@ export class RunPlots extends TimeView {
     const tolerance = this.result.requirement.p_tol_bar;
     const moved = (by) => ({ t: trace.t, y: trace.y.map((value) => value === null ? null : value + by) });
     const edge = (by, more) => ({ ...this.line(moved(by), yaxis, "band", { shape: "hv", width: 0 }), ...more });
-    return [edge(-tolerance, {}), edge(tolerance, { fill: "tonexty", fillcolor: colour("band") }), this.line(trace, yaxis, "measured", { shape: "hv", width: 1.2 })];
+    return [edge(-tolerance, { name: undefined }), edge(tolerance, { fill: "tonexty", fillcolor: colour("band"), name: `±${number(tolerance, 2)} bar` }), { ...this.line(trace, yaxis, "measured", { shape: "hv", width: 1.2 }), name: "reference" }];
   }
 
   /** Shows the values under the pointer, of every signal and run. */

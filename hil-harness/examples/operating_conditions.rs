@@ -1,0 +1,61 @@
+//! Runs the operating range under every supply voltage, temperature and effect, and prints one row for each. Voltages and
+//! temperatures have a second row for the same controller without compensation.
+//!
+//! `cargo run --release -p hil-harness --example operating_conditions [-- RIGS]`
+
+use std::process::ExitCode;
+
+use controller::Settings;
+use hil_harness::condition_table::{Condition, NEVER_SAMPLES, TABLE_HEAD};
+use hil_harness::{Requirement, Scenario, controller_file};
+
+const RIGS: u32 = 40;
+/// Seed of the rigs; the recommended controller was tuned on those of seed 1.
+const SEED: u64 = 2026;
+
+fn main() -> ExitCode {
+    let rigs = match std::env::args().nth(1).map(|text| text.parse()) {
+        None => RIGS,
+        Some(Ok(rigs)) if rigs > 0 => rigs,
+        Some(_) => {
+            eprintln!("the number of rigs is a whole number from 1 on, such as {RIGS}");
+            return ExitCode::from(2);
+        }
+    };
+    let Some(scenario) = Scenario::built_in("operating-range") else {
+        unreachable!("the scenario is built in")
+    };
+    let scenario = scenario
+        .controlled_by(controller_file::recommended())
+        .seeded(SEED);
+    println!(
+        "Recommended controller, {} mm orifices, {rigs} rigs, seed {SEED}; a step that never settles counts as \
+         {NEVER_SAMPLES} samples.\n",
+        1e3 * scenario.plant.flow.orifice_fill_m
+    );
+    println!("{TABLE_HEAD}");
+    let constant = scenario.clone().controlled_by(Settings {
+        compensation: None,
+        ..scenario.controller
+    });
+    let conditions = Condition::all(&scenario.plant);
+    let plain = conditions.iter().filter(|one| one.effect.is_none());
+    let constant_limits = plain.map(|condition| Condition {
+        name: format!("{}, no compensation", condition.name),
+        ..condition.clone()
+    });
+    let compensated = conditions
+        .iter()
+        .map(|condition| (condition.clone(), &scenario));
+    let rows = compensated.chain(constant_limits.map(|condition| (condition, &constant)));
+    for (condition, scenario) in rows {
+        match condition.row(scenario, &Requirement::THESIS, rigs) {
+            Ok(row) => println!("{row}"),
+            Err(error) => {
+                eprintln!("{error}");
+                return ExitCode::from(2);
+            }
+        }
+    }
+    ExitCode::SUCCESS
+}

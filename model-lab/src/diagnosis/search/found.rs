@@ -1,0 +1,242 @@
+//! From the logs to the answer: the plant refitted within what its file admits, with wider ranges, and with effects.
+//!
+//! Ordinary parameters that come to the end of their ranges are widened before any effect is named. If that alone leaves the noise, the
+//! plant file is wrong and no physics is missing, unless effects within the ranges fit clearly better. An effect may fit as well: a warm
+//! coil and one with more turns are the same to every signal, and so are a narrow fitting and a narrower orifice. Then the values are the
+//! answer if a first plant file may be as wrong as that, and the effect is the alternative; else it is the other way round. Where widening
+//! leaves an error, effects are looked for within the file's ranges.
+
+use plant_sim::PlantParameters;
+use plant_sim::effects::Effect;
+
+use super::assemble;
+use super::selection::{self, Selection};
+use super::{Effort, Tried, Watch, best_forms, finish_begun, report, try_all};
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::fit::split::Split;
+use crate::diagnosis::fit::supply::shows_in_currents;
+use crate::diagnosis::fit::trial::{Bench, Trial};
+use crate::diagnosis::known::may_be_beside_first_file;
+use crate::diagnosis::result::Verdict;
+use crate::diagnosis::verdict::CLEARLY_LESS;
+use crate::result::Horizon;
+
+/// Share of the decrease of the squared error by an effect from which on a better fit of the plain plant accounts for it.
+const MOST: f64 = 0.5;
+
+/// Finds what `plain`, the refitted plant, lacks.
+pub(crate) fn find(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    plain: Trial,
+    watch: Watch,
+) -> Result<Selection, DiagnoseError> {
+    let base = plain.clone();
+    find_on(split, plant, library, (plain, &base), watch)
+}
+
+/// Finds what the plant lacks in the errors of the free run, where errors add up that are within the noise one step ahead. `predicted` was
+/// found one step ahead. None, with the former horizon and clocks, where the effects of the library do not explain these errors.
+pub(crate) fn find_in_free_run(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    predicted: &Selection,
+    watch: Watch,
+) -> Result<Option<Selection>, DiagnoseError> {
+    let before = split.logs();
+    split.take_conditions(predicted.within());
+    split.judge_in(Horizon::FreeRun);
+    report(watch, "the plain model in free run", 0.0)?;
+    // Without the missing effect, the plant fitted in free run is farther from the truth than the one fitted one step ahead: a fit with the
+    // effect begins there.
+    let base = split
+        .bench(plant, library)
+        .at_the_place_of(predicted.within());
+    let mut base = base.ok_or_else(|| split.not_simulated())?;
+    let plain = split.plain_from(plant, &base.plant())?;
+    // Other values of the ordinary parameters bring the errors down to those of a correct model. An effect may do that as well, and may be
+    // any that takes the place of such a value.
+    if plain.leaves_little() {
+        return selection::of_plain_alone(&split.bench(plant, library), plain, watch).map(Some);
+    }
+    // What the fit in free run takes away is correlated over the whole log; an effect does not have to show beside it.
+    base.correlation_samples = plain.correlation_samples;
+    let found = find_on(split, plant, library, (plain, &base), watch)?;
+    if matches!(found.verdict(), Verdict::Found | Verdict::Adequate) {
+        return Ok(Some(found));
+    }
+    split.judge_in(Horizon::OneStepAhead);
+    split.restore(before);
+    Ok(None)
+}
+
+/// Finds what `plain` lacks, with fits of effects that begin at `base`.
+fn find_on(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, base): (Trial, &Trial),
+    watch: Watch,
+) -> Result<Selection, DiagnoseError> {
+    let wide = widened(&split.bench(plant, library), &plain, watch)?;
+    let adequate = wide.filter(Trial::leaves_little);
+    let found = select_from(split, plant, library, (plain.clone(), base), watch)?;
+    if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
+        let outside = assemble::outside(&plain, &wide);
+        let mut values = outside.iter().map(|value| (&value.name, value.value));
+        let may_be = values.all(|(name, value)| may_be_beside_first_file(plant, name, value));
+        let is_as_good = found.is_as_good_as(&wide);
+        if is_as_good && !may_be {
+            return Ok(found.or(wide));
+        }
+        let rival = is_as_good.then(|| found.last().clone());
+        let base = wide.clone();
+        let wide = select_from(split, plant, library, (wide, &base), watch)?;
+        return Ok(wide.beyond(plain, rival));
+    }
+    Ok(found)
+}
+
+/// `plain` with wider ranges, where it leaves something to explain and parameters came to the end of theirs.
+fn widened(bench: &Bench, plain: &Trial, watch: Watch) -> Result<Option<Trial>, DiagnoseError> {
+    if !plain.is_material() {
+        return Ok(None);
+    }
+    report(watch, "wider ranges", 0.0)?;
+    Ok(bench.widened(plain))
+}
+
+/// Selects effects on top of `plain`, with fits that begin at `base`. The best single effect may show clocks and commands of the logs that
+/// `plain` did not.
+fn select_from(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (mut plain, base): (Trial, &Trial),
+    watch: Watch,
+) -> Result<Selection, DiagnoseError> {
+    let again = match plain.is_material() {
+        true => split.find_fitted_clocks(plant, &plain)?,
+        false => None,
+    };
+    let bench = split.bench(plant, library);
+    let mut singles = match again {
+        Some(again) => {
+            plain = again;
+            selection::singles(&bench, &plain, watch)?
+        }
+        None if plain.is_material() => selection::singles(&bench, base, watch)?,
+        None => selection::singles(&bench, &plain, watch)?,
+    };
+    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+    if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
+        if best.fitted.is_material()
+            && let Some(there) = split.assign_by(best)
+        {
+            plain = split.plain_from(plant, &there)?;
+            singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
+        } else if split.find_checked_clocks(plant, best)? {
+            let bench = split.bench(plant, library);
+            plain = (bench.judged_anew(&plain)).ok_or_else(|| split.not_simulated())?;
+            judge_anew(&bench, &mut singles);
+        }
+    }
+    if let Some(other) = from_place_of_best(split, plant, library, (&plain, &singles), watch)? {
+        (plain, singles) = other;
+    }
+    // A choice that leaves less may be the wrong one again, from which the right one is found.
+    while leaves_currents(&plain, &singles)
+        && let Some(other) = taken_otherwise(split, plant, library, (&plain, &singles), watch)?
+    {
+        (plain, singles) = other;
+    }
+    let bench = split.bench(plant, library);
+    let found = selection::forward_selection(&bench, plain, singles, watch)?;
+    if found.verdict() != Verdict::NotInLibrary {
+        return Ok(found);
+    }
+    let plain = &found.steps[0];
+    match finish_begun(&bench, plain, &found.singles, watch)? {
+        Some(singles) => selection::forward_selection(&bench, plain.clone(), singles, watch),
+        None => Ok(found),
+    }
+}
+
+/// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that
+/// effect does: the first fit of the plain plant had ended beside the best one, and the effect would get the credit for the difference.
+fn from_place_of_best(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, singles): (&Trial, &[Tried]),
+    watch: Watch,
+) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
+    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+    let Some(best) = best.filter(|_| plain.is_material()) else {
+        return Ok(None);
+    };
+    let before = split.conditions();
+    split.take_conditions(best);
+    let again = split.plain_from(plant, &best.plant())?;
+    let gained = plain.total_square() - best.total_square();
+    let is_most = plain.total_square() - again.total_square() >= MOST * gained;
+    if gained <= 0.0 || !is_most {
+        split.replace_conditions(&before);
+        return Ok(None);
+    }
+    let singles = selection::singles(&split.bench(plant, library), &again, watch)?;
+    Ok(Some((again, singles)))
+}
+
+/// Whether neither `plain` nor an effect alone explains the currents.
+fn leaves_currents(plain: &Trial, singles: &[Tried]) -> bool {
+    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
+    core::iter::once(plain)
+        .chain(trials)
+        .all(Trial::leaves_currents)
+}
+
+/// The plain plant and every effect alone with the currents taken the other way, as means or as values of an instant, where that leaves
+/// clearly less: a wrong choice hides what is missing in the coils.
+fn taken_otherwise(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (plain, singles): (&Trial, &[Tried]),
+    watch: Watch,
+) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
+    let least = |plain: &Trial, singles: &[Tried]| {
+        let costs = singles.iter().map(Tried::cost);
+        costs.fold(plain.total_square(), f64::min)
+    };
+    let bound = CLEARLY_LESS * least(plain, singles);
+    let of_coils = library.iter().copied();
+    let of_coils: Vec<_> = of_coils
+        .filter(|&effect| shows_in_currents(effect))
+        .collect();
+    split.with_other_sampling(plant, plain, |split, there| {
+        let bench = split.bench(plant, &of_coils);
+        let mut alone = try_all(&bench, &there, Effort::Search, "single effects", watch)?;
+        let plain = split.plain_from(plant, &there.plant())?;
+        if least(&plain, &alone) >= bound {
+            return Ok(None);
+        }
+        alone.extend(selection::singles(
+            &split.bench(plant, library),
+            &plain,
+            watch,
+        )?);
+        Ok(Some((plain, best_forms(alone))))
+    })
+}
+
+fn judge_anew(bench: &Bench, singles: &mut [Tried]) {
+    for tried in singles {
+        tried.trial = tried
+            .trial
+            .as_ref()
+            .and_then(|trial| bench.judged_anew(trial));
+    }
+}

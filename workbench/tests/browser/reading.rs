@@ -1,0 +1,138 @@
+//! Legends, bars, units of time and the state of buttons on the pages.
+
+use serde_json::json;
+
+use crate::driver::{Person, with_browser};
+
+async fn legend(person: &Person) -> String {
+    person.text("#legend").await.replace('\n', " ")
+}
+
+#[test]
+fn the_legend_lists_what_is_drawn_and_bars_share_a_zero() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.compare("practice-01-id.csv").await;
+        let all = legend(person).await;
+        for part in [
+            "measured",
+            "modelled",
+            "rms limit",
+            "fill valve",
+            "vent valve",
+        ] {
+            assert!(all.contains(part), "{part}: {all}");
+        }
+        assert!(!all.contains("tolerance"), "no band is set: {all}");
+        person.click("[data-overlay='2']").await;
+        person
+            .until(
+                "document.getElementById('legend').textContent.includes('practice-01-check.csv')",
+            )
+            .await;
+        for signal in ["p_ch", "i_fill", "i_vent"] {
+            person.click(&format!("[data-signal='{signal}']")).await;
+        }
+        person
+            .until("!document.getElementById('legend').textContent.includes('modelled')")
+            .await;
+        let inputs = legend(person).await;
+        assert!(inputs.contains("fill valve"), "{inputs}");
+
+        let zeros = "[...document.querySelectorAll('table')].map((table) => new Set([...table.querySelectorAll('td.share meter')].map((bar) => Math.round(10 * bar.getBoundingClientRect().left))).size)";
+        let counts: Vec<u32> =
+            serde_json::from_value(person.run(&format!("return {zeros}")).await).unwrap();
+        assert!(
+            counts.contains(&1) && counts.iter().all(|&zeros| zeros <= 1),
+            "{counts:?}"
+        );
+    });
+}
+
+#[test]
+fn short_times_are_in_milliseconds() {
+    with_browser(async |person| {
+        let shown = person
+            .client
+            .execute_async(
+                "const done = arguments[0]; import('/assets/format.js').then(({ duration }) => done([5e-5, 2.5e-4, 0.01, 60].map(duration)));",
+                vec![],
+            )
+            .await
+            .unwrap();
+        assert_eq!(
+            shown,
+            json!(["0.0500 ms", "0.250 ms", "10.0 ms", "60.00 s"])
+        );
+    });
+}
+
+#[test]
+fn a_report_without_logs_cannot_be_written() {
+    with_browser(async |person| {
+        let disabled = "return document.getElementById('write-report').disabled";
+        for (logs, expected) in [(0, true), (2, false)] {
+            person.click("nav a[href^='#/report']").await;
+            person
+                .until("document.body.dataset.ready === 'report'")
+                .await;
+            assert_eq!(person.run(disabled).await, json!(expected), "{logs} logs");
+            person.click("nav a[href^='#/logs']").await;
+            person.until("document.body.dataset.ready === 'logs'").await;
+            if logs == 0 {
+                person.click("[data-example='practice-01']").await;
+                person
+                    .until("document.querySelectorAll('.log').length === 2")
+                    .await;
+            }
+        }
+    });
+}
+
+#[test]
+fn every_page_ends_in_one_next_step_with_its_button() {
+    with_browser(async |person| {
+        let next = "(() => { const lines = document.querySelectorAll('.next'); const last = document.getElementById('page').lastElementChild; \
+            return lines.length === 1 && last.contains(lines[0]) && lines[0].querySelectorAll('button').length === 1 ? lines[0].textContent : `${lines.length} lines`; })()";
+        let empty = person.run(&format!("return {next}")).await;
+        assert_eq!(
+            empty,
+            json!("Next: open a log, or an example.Choose files …")
+        );
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        for (page, expected) in [
+            (
+                "logs",
+                "Next: compare practice-01-id.csv with the plant.Compare",
+            ),
+            (
+                "compare",
+                "Next: find the physical effect that the model lacks.Diagnose",
+            ),
+            ("diagnose", "Next: diagnose these logs.Diagnose"),
+            (
+                "refine",
+                "Next: find the physical effect that the model lacks.Diagnose",
+            ),
+            ("control", "Next: write the report of this session.Report"),
+            ("report", "Next: write the report.Write the report"),
+        ] {
+            person.click(&format!("nav a[href^='#/{page}']")).await;
+            person
+                .until(&format!("document.body.dataset.ready === '{page}'"))
+                .await;
+            let shown = person.run(&format!("return {next}")).await;
+            assert_eq!(shown, json!(expected), "{page}");
+        }
+        person.click("#next-step").await;
+        person
+            .until("document.getElementById('next-step')?.textContent === 'Download report.html'")
+            .await;
+    });
+}
