@@ -6,10 +6,11 @@ use controller::{
 
 use crate::config::Limits;
 use crate::duty_scales::DutyScales;
+use crate::fault::{Fault, FaultSet};
 use crate::input_output::{Inputs, Outputs};
 
-/// Number of last duty cycles that are kept: the mean current of a PWM period belongs to a command of two to four samples
-/// ago (command delay of up to two samples and a PWM period).
+/// Number of last commands that must be constant: the mean current of a PWM period belongs to a command of two to four
+/// samples ago (command delay of up to two samples and a PWM period).
 const COMMANDS: u8 = 4;
 /// Largest difference of duty cycles that count as constant: 2 %, 2⁻¹⁶.
 const CONSTANT_MAX: u32 = 2 << 16;
@@ -17,20 +18,15 @@ const CONSTANT_MAX: u32 = 2 << 16;
 /// thirty-second.
 const CONSTANT_SHIFT: u32 = 5;
 
-/// Number of samples after which a current belongs to a changed supply voltage: as many as commands are compared.
+/// Number of samples after which a current belongs to a changed supply voltage: as many as there are commands.
 const SETTLED: u8 = COMMANDS;
 /// Number of first measurements, which are hardly filtered: they leave a fortieth of a wrong start value.
 const FIRST: u8 = 4;
-
-/// Last duty cycles, the newest first. No array: its hash begins with a length in the width of the machine, and the digests
-/// of host and image would differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct LastDuties {
-    first: Duty,
-    second: Duty,
-    third: Duty,
-    fourth: Duty,
-}
+/// Faults whose current says nothing about a resistance, before their confirmation either.
+const COIL_FAULTS: FaultSet = FaultSet::of(Fault::FillCoilOpen)
+    .union(FaultSet::of(Fault::FillCoilShort))
+    .union(FaultSet::of(Fault::VentCoilOpen))
+    .union(FaultSet::of(Fault::VentCoilShort));
 
 /// Estimate of one coil's resistance, which is frozen while the coil is not driven at a constant duty cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,8 +34,10 @@ struct Coil {
     ratio: ResistanceRatio,
     /// Number of measurements, at most [`FIRST`].
     measurements: u8,
-    /// Last commands.
-    duties: LastDuties,
+    /// Duty cycle from which the last commands differ by at most [`CONSTANT_MAX`].
+    held: Duty,
+    /// Number of these commands, at most [`COMMANDS`].
+    held_for: u8,
     current_ma: u16,
 }
 
@@ -47,12 +45,8 @@ impl Coil {
     const NEW: Self = Self {
         ratio: ResistanceRatio::NOMINAL,
         measurements: 0,
-        duties: LastDuties {
-            first: Duty::OFF,
-            second: Duty::OFF,
-            third: Duty::OFF,
-            fourth: Duty::OFF,
-        },
+        held: Duty::OFF,
+        held_for: 0,
         current_ma: 0,
     };
 
@@ -63,18 +57,11 @@ impl Coil {
         current_ma: u16,
         supply_mv: Option<u16>,
     ) {
-        let LastDuties {
-            second,
-            third,
-            fourth,
-            ..
-        } = self.duties;
-        let is_constant = near(second, third) && near(third, fourth) && near(second, fourth);
         let is_steady = is_steady(current_ma, self.current_ma);
         self.current_ma = current_ma;
-        if is_constant
+        if self.held_for >= COMMANDS
             && is_steady
-            && let Some(coil) = CoilMeasurement::new(third, supply_mv, current_ma)
+            && let Some(coil) = CoilMeasurement::new(self.held, supply_mv, current_ma)
         {
             let is_first = self.measurements < FIRST;
             self.ratio = compensation.measured(self.ratio, &coil, is_first);
@@ -84,18 +71,12 @@ impl Coil {
 
     #[inline(always)]
     fn command(&mut self, duty: Duty) {
-        let LastDuties {
-            first,
-            second,
-            third,
-            ..
-        } = self.duties;
-        self.duties = LastDuties {
-            first: duty,
-            second: first,
-            third: second,
-            fourth: third,
-        };
+        if duty.to_bits().abs_diff(self.held.to_bits()) <= CONSTANT_MAX {
+            self.held_for = self.held_for.saturating_add(1).min(COMMANDS);
+        } else {
+            self.held = duty;
+            self.held_for = 1;
+        }
     }
 
     /// Returns the ratio of this coil, or that of the other one if only that one was measured: both are in one housing.
@@ -127,15 +108,19 @@ impl CoilResistances {
         steady_for: 0,
     };
 
-    /// Takes the measured currents and returns the factors of the duty limits in this sample. A voltage outside its window
-    /// may be a fault of its sensor, and measures no resistance.
+    /// Takes the measured currents and returns the factors of the duty limits in this sample. A current or voltage outside
+    /// its window may be a fault, and measures no resistance. A confirmed fault of a coil makes the resistances unknown.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
         compensation: &SupplyCompensation,
         limits: &Limits,
         inputs: &Inputs,
+        faults: FaultSet,
     ) -> DutyScales {
+        if faults.has_any_of(COIL_FAULTS) {
+            *self = Self::NEW;
+        }
         let supply_mv = inputs.battery_mv;
         self.steady_for = match supply_mv {
             Some(now) if limits.has_battery(now) && is_steady(now, self.supply_mv) => {
@@ -145,10 +130,10 @@ impl CoilResistances {
         };
         let is_steady = self.steady_for >= SETTLED;
         self.supply_mv = supply_mv.unwrap_or(0);
-        if is_steady && let Some(current_ma) = inputs.current_fill_ma {
+        if is_steady && let Some(current_ma) = limits.coil_current(inputs.current_fill_ma) {
             self.fill.sample(compensation, current_ma, supply_mv);
         }
-        if is_steady && let Some(current_ma) = inputs.current_vent_ma {
+        if is_steady && let Some(current_ma) = limits.coil_current(inputs.current_vent_ma) {
             self.vent.sample(compensation, current_ma, supply_mv);
         }
         DutyScales {
@@ -175,11 +160,6 @@ impl CoilResistances {
 }
 
 #[inline(always)]
-fn near(a: Duty, b: Duty) -> bool {
-    a.to_bits().abs_diff(b.to_bits()) <= CONSTANT_MAX
-}
-
-#[inline(always)]
 const fn is_steady(now: u16, before: u16) -> bool {
     now.abs_diff(before) <= now >> CONSTANT_SHIFT
 }
@@ -196,6 +176,7 @@ mod tests {
         resistances: CoilResistances,
         currents_ma: [u16; 2],
         supply_mv: u16,
+        faults: FaultSet,
     }
 
     impl Rig {
@@ -204,6 +185,7 @@ mod tests {
                 resistances: CoilResistances::NEW,
                 currents_ma: [0; 2],
                 supply_mv: 24_000,
+                faults: FaultSet::NONE,
             }
         }
 
@@ -225,6 +207,7 @@ mod tests {
                         current_vent_ma: Some(vent_ma),
                         battery_mv: Some(self.supply_mv),
                     },
+                    self.faults,
                 );
                 let volt = f64::from(self.supply_mv) * 1e-3;
                 self.currents_ma = percent.map(|percent| {
@@ -312,6 +295,43 @@ mod tests {
             rig.driven([80.0, 0.0], 1);
         }
         assert_eq!(rig.resistances.fill.ratio, ratio);
+    }
+
+    /// Defect seen in the fault campaign: an open coil looked like one of more resistance, and after the repair the pulses
+    /// were too short for a measurement.
+    #[test]
+    fn a_current_outside_its_window_measures_no_resistance() {
+        let mut rig = Rig::new();
+        rig.driven([80.0, 0.0], 20);
+        let ratio = rig.resistances.fill.ratio;
+        for current_ma in [0, 14, 641, u16::MAX] {
+            for _ in 0..100 {
+                rig.currents_ma = [current_ma; 2];
+                rig.driven([80.0, 0.0], 1);
+            }
+            assert_eq!(rig.resistances.fill.ratio, ratio, "{current_ma} mA");
+        }
+    }
+
+    /// Defect seen in the fault campaign: with a shorted driver, a current of full duty looked like a coil of less
+    /// resistance, long after the repair.
+    #[test]
+    fn a_confirmed_fault_of_a_coil_makes_the_resistances_unknown() {
+        let unknown = Rig::new().driven([0.0; 2], 1);
+        for fault in Fault::ALL {
+            let mut rig = Rig::new();
+            let hot = rig.driven([80.0, 80.0], 20);
+            rig.faults = FaultSet::of(fault);
+            let is_of_coil = COIL_FAULTS.contains(fault);
+            let during = rig.driven([80.0, 80.0], 1);
+            assert_eq!(during == unknown, is_of_coil, "{fault:?}");
+            rig.driven([80.0, 80.0], 100);
+            rig.faults = FaultSet::NONE;
+            assert_eq!(rig.driven([0.0; 2], 1) == unknown, is_of_coil);
+            rig.driven([80.0, 80.0], 20);
+            let after = rig.driven([0.0; 2], 1);
+            assert!((factor(after.fill) / factor(hot.fill) - 1.0).abs() < 0.03);
+        }
     }
 
     #[test]

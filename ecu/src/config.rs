@@ -141,6 +141,14 @@ impl Limits {
         battery_mv >= self.battery_min_mv && battery_mv <= self.battery_max_mv
     }
 
+    /// Returns a mean coil current (mA) if it is within the window of a healthy coil.
+    #[inline(always)]
+    pub(crate) fn coil_current(&self, current_ma: Option<u16>) -> Option<u16> {
+        current_ma.filter(|&current_ma| {
+            current_ma >= self.coil_min_ma && current_ma <= self.coil_max_ma
+        })
+    }
+
     /// Returns the duty cycles that open the valves for certain with these factors of the duty limits.
     #[inline(always)]
     pub(crate) fn open_duties(&self, vent_valve: VentValve, scales: DutyScales) -> OpenDuties {

@@ -99,7 +99,7 @@ impl Ecu {
         state.scales = match config.controller.compensation() {
             Some(compensation) => state
                 .resistances
-                .sample(compensation, &config.limits, inputs),
+                .sample(compensation, &config.limits, inputs, observation.faults),
             None => DutyScales::ONE,
         };
         let opening = state.opening_for(config, &observation);
