@@ -144,9 +144,8 @@ impl Limits {
     /// Returns a mean coil current (mA) if it is within the window of a healthy coil.
     #[inline(always)]
     pub(crate) fn coil_current(&self, current_ma: Option<u16>) -> Option<u16> {
-        current_ma.filter(|&current_ma| {
-            current_ma >= self.coil_min_ma && current_ma <= self.coil_max_ma
-        })
+        current_ma
+            .filter(|&current_ma| current_ma >= self.coil_min_ma && current_ma <= self.coil_max_ma)
     }
 
     /// Returns the duty cycles that open the valves for certain with these factors of the duty limits.

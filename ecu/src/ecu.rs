@@ -97,9 +97,11 @@ impl Ecu {
             .supervisor
             .sample(config, &observation, state.pressure, is_damaged);
         state.scales = match config.controller.compensation() {
-            Some(compensation) => state
-                .resistances
-                .sample(compensation, &config.limits, inputs, observation.faults),
+            Some(compensation) => {
+                state
+                    .resistances
+                    .sample(compensation, &config.limits, inputs, observation.faults)
+            }
             None => DutyScales::ONE,
         };
         let opening = state.opening_for(config, &observation);

@@ -199,4 +199,21 @@ mod tests {
         let run = last.expect("a pulse that lands on the reference");
         assert_eq!((run.phase, run.lag_us), (Phase::UnderWay, 8_000));
     }
+
+    /// The on-time of the table is at most that of the periods so far, although a little open time is missing.
+    #[test]
+    fn periods_that_last_long_enough_are_followed_by_no_pulse() {
+        let config = config();
+        let (pressure, reference) = (3 << 16, (3 << 16) + config.tolerance);
+        let mut state = PulseState::at_rest();
+        state.run = Run {
+            periods: 1,
+            open_us: 1,
+            ..Run::beginning(true, pressure)
+        };
+        let input = at(reference, pressure);
+        let output = pulse_step(&config, &mut state, input, CoilSlowness::NOMINAL);
+        assert_eq!((output, state.run.phase), (Output::OFF, Phase::UnderWay));
+        assert_eq!(state.run.open_us, 1);
+    }
 }
