@@ -27,9 +27,6 @@ pub(crate) enum Which<'a> {
     Image(&'a Path),
 }
 
-/// Seed of the property tests, so that the same tree has the same result; runs without this command draw new cases.
-const PROPERTY_SEED: &str = "1";
-
 /// Runs some tests of the workspace; all of them run, even if one fails.
 pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
     let runs = if find_program("cargo-nextest").is_some() {
@@ -39,7 +36,6 @@ pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
     };
     let mut outcome = Ok(());
     for mut tests in runs {
-        tests.env("PROPTEST_RNG_SEED", PROPERTY_SEED);
         if let Which::Image(image) = which {
             tests.env("RETARDER_IMAGE", image);
         }
