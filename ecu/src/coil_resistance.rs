@@ -9,17 +9,17 @@ use crate::duty_scales::DutyScales;
 use crate::fault::{Fault, FaultSet};
 use crate::input_output::{Inputs, Outputs};
 
-/// Number of last commands that must be constant: the mean current of a PWM period belongs to a command of two to four
-/// samples ago (command delay of up to two samples and a PWM period).
-const COMMANDS: u8 = 4;
-/// Largest difference of duty cycles that count as constant: 2 %, 2⁻¹⁶.
+/// Number of times in a row that a command must equal the one before: the mean current of a PWM period belongs to a command
+/// of two to four samples ago (command delay of up to two samples and a PWM period).
+const REPEATED: u8 = 2;
+/// Largest difference of duty cycles that count as equal: 2 %, 2⁻¹⁶.
 const CONSTANT_MAX: u32 = 2 << 16;
 /// Share of a current or voltage by which it may differ from that of the last sample and still counts as constant: a
 /// thirty-second.
 const CONSTANT_SHIFT: u32 = 5;
 
-/// Number of samples after which a current belongs to a changed supply voltage: as many as there are commands.
-const SETTLED: u8 = COMMANDS;
+/// Number of samples after which a current belongs to a changed supply voltage: the age of the oldest command.
+const SETTLED: u8 = 4;
 /// Number of first measurements, which are hardly filtered: they leave a fortieth of a wrong start value.
 const FIRST: u8 = 4;
 /// Faults whose current says nothing about a resistance, before their confirmation either.
@@ -34,10 +34,13 @@ struct Coil {
     ratio: ResistanceRatio,
     /// Number of measurements, at most [`FIRST`].
     measurements: u8,
-    /// Duty cycle from which the last commands differ by at most [`CONSTANT_MAX`].
-    held: Duty,
-    /// Number of these commands, at most [`COMMANDS`].
-    held_for: u8,
+    /// Last command and the one before.
+    last: Duty,
+    before: Duty,
+    /// Number of times in a row that a command equalled the one before, at most [`REPEATED`].
+    repeated: u8,
+    /// Duty cycle to which the current of the next sample belongs; off if it was not constant.
+    measured: Duty,
     current_ma: u16,
 }
 
@@ -45,8 +48,10 @@ impl Coil {
     const NEW: Self = Self {
         ratio: ResistanceRatio::NOMINAL,
         measurements: 0,
-        held: Duty::OFF,
-        held_for: 0,
+        last: Duty::OFF,
+        before: Duty::OFF,
+        repeated: 0,
+        measured: Duty::OFF,
         current_ma: 0,
     };
 
@@ -59,9 +64,7 @@ impl Coil {
     ) {
         let is_steady = is_steady(current_ma, self.current_ma);
         self.current_ma = current_ma;
-        if self.held_for >= COMMANDS
-            && is_steady
-            && let Some(coil) = CoilMeasurement::new(self.held, supply_mv, current_ma)
+        if is_steady && let Some(coil) = CoilMeasurement::new(self.measured, supply_mv, current_ma)
         {
             let is_first = self.measurements < FIRST;
             self.ratio = compensation.measured(self.ratio, &coil, is_first);
@@ -71,12 +74,18 @@ impl Coil {
 
     #[inline(always)]
     fn command(&mut self, duty: Duty) {
-        if duty.to_bits().abs_diff(self.held.to_bits()) <= CONSTANT_MAX {
-            self.held_for = self.held_for.saturating_add(1).min(COMMANDS);
+        self.measured = if self.repeated >= REPEATED {
+            self.before
         } else {
-            self.held = duty;
-            self.held_for = 1;
-        }
+            Duty::OFF
+        };
+        self.repeated = if duty.to_bits().abs_diff(self.last.to_bits()) <= CONSTANT_MAX {
+            self.repeated.saturating_add(1).min(REPEATED)
+        } else {
+            0
+        };
+        self.before = self.last;
+        self.last = duty;
     }
 
     /// Returns the ratio of this coil, or that of the other one if only that one was measured: both are in one housing.

@@ -5,9 +5,11 @@ use core::fmt;
 use plant_sim::effects::{EffectSetting, LIBRARY};
 use plant_sim::{ParameterError, PlantParameters};
 
+use crate::checks::StepResponse;
 use crate::operating_conditions::{
     COIL_TEMPERATURE_RANGE_C, ConditionScatter, OperatingConditions,
 };
+use crate::physical_minimum::physical_minimum_samples;
 use crate::requirement::Requirement;
 use crate::rigs::{self, RigError, RigVerdict};
 use crate::scenario::Scenario;
@@ -123,7 +125,15 @@ impl Condition {
             })?;
         let rigs = rigs::verdicts_in_operation(&scenario, requirement, count, self.scatter)
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Row::of(self.name.clone(), &rigs, requirement))
+        let mut over_minimum = OverMinimum::default();
+        for rig in &rigs {
+            let scenario = rigs::rig_in_operation(&scenario, rig.rig, self.scatter)?;
+            over_minimum.add(&scenario, &rig.verdict.steps, requirement);
+        }
+        Ok(Row {
+            over_minimum,
+            ..Row::of(self.name.clone(), &rigs, requirement)
+        })
     }
 }
 
@@ -138,6 +148,8 @@ pub struct Row {
     pub settling_p90_samples: Option<u32>,
     /// Share of steps that settle later than T_req, 0 to 1.
     pub late_share: f64,
+    /// The same steps beside what the valves of their rig allow.
+    pub over_minimum: OverMinimum,
     /// Overshoot that 99 % of the steps do not exceed (bar).
     pub overshoot_p99_bar: f64,
     /// Lifts of both valves (1/s).
@@ -151,8 +163,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// Summarises the verdicts on rigs under a condition.
-    pub fn of(condition: String, rigs: &[RigVerdict], requirement: &Requirement) -> Self {
+    /// Summarises the verdicts on rigs under a condition, without the physical minimum.
+    fn of(condition: String, rigs: &[RigVerdict], requirement: &Requirement) -> Self {
         let settling = SettlingTimes::of_steps(rigs);
         let sum: u32 = settling.samples.iter().sum();
         let count = settling.count().max(1) as f64;
@@ -177,6 +189,7 @@ impl Row {
                 - settling
                     .share_within(requirement.t_req_samples)
                     .unwrap_or(1.0),
+            over_minimum: OverMinimum::default(),
             overshoot_p99_bar: overshoot(rigs, 0.99),
             lifts_per_s: per_s.map(|actuations| actuations.per_s).sum::<f64>()
                 / rigs.len().max(1) as f64,
@@ -189,19 +202,22 @@ impl Row {
 
 /// Head of a table of rows, in Markdown.
 pub const TABLE_HEAD: &str = "\
-| condition | settling mean / p90 | later than T_req | overshoot p99 (bar) | lifts per s | rigs with a fault |
-|---|--:|--:|--:|--:|---|";
+| condition | settling mean / p90 | later than T_req | of the possible ones | over the minimum: median / p95 | overshoot p99 (bar) | lifts per s | rigs with a fault |
+|---|--:|--:|--:|--:|--:|--:|---|";
 
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let p90 = self.settling_p90_samples;
         write!(
             f,
-            "| {} | {:.1} / {} | {:.1} % | {:.2} | {:.1} | {}",
+            "| {} | {:.1} / {} | {:.1} % | {:.1} % | {} / {} | {:.2} | {:.1} | {}",
             self.condition,
             self.settling_mean_samples,
             p90.map_or("never".to_owned(), |samples| samples.to_string()),
             100.0 * self.late_share,
+            100.0 * self.over_minimum.late_share(),
+            ratio(self.over_minimum.quantile(0.5)),
+            ratio(self.over_minimum.quantile(0.95)),
             self.overshoot_p99_bar,
             self.lifts_per_s,
             self.rigs_with_fault,
@@ -212,6 +228,53 @@ impl fmt::Display for Row {
         }
         f.write_str(" |")
     }
+}
+
+/// Settling times of the steps that the valves of their rig can make within T_req, over the physical minimum.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OverMinimum {
+    /// Settling time over the physical minimum of each step; `None`: never settled.
+    ratios: Vec<Option<f64>>,
+    late: usize,
+}
+
+impl OverMinimum {
+    fn add(&mut self, scenario: &Scenario, steps: &[StepResponse], requirement: &Requirement) {
+        for step in steps.iter().filter(|step| step.in_operating_range) {
+            let Some(minimum) = physical_minimum_samples(scenario, step, requirement) else {
+                continue;
+            };
+            let settled = step.settled_samples;
+            let is_late = settled.is_none_or(|samples| samples > requirement.t_req_samples);
+            self.late += usize::from(is_late);
+            let ratio = |samples| f64::from(samples) / f64::from(minimum.max(1));
+            self.ratios.push(settled.map(ratio));
+        }
+    }
+
+    /// Returns the number of steps that are possible.
+    pub fn count(&self) -> usize {
+        self.ratios.len()
+    }
+
+    /// Returns the share of the possible steps that settle later than T_req, 0 to 1.
+    pub fn late_share(&self) -> f64 {
+        self.late as f64 / self.count().max(1) as f64
+    }
+
+    /// Returns the ratio to the physical minimum that this share of the possible steps, 0 to 1, does not exceed; `None`
+    /// if too many never settle.
+    pub fn quantile(&self, share: f64) -> Option<f64> {
+        let mut ratios = self.ratios.clone();
+        let key = |ratio: &Option<f64>| ratio.unwrap_or(f64::INFINITY);
+        ratios.sort_by(|one, other| key(one).total_cmp(&key(other)));
+        let rank = (share * ratios.len() as f64).ceil().max(1.0) as usize;
+        ratios.get(rank - 1).copied().flatten()
+    }
+}
+
+fn ratio(ratio: Option<f64>) -> String {
+    ratio.map_or("never".to_owned(), |ratio| format!("{ratio:.2}"))
 }
 
 /// Returns the overshoot that a share of the steps, 0 to 1, does not exceed (bar).

@@ -15,6 +15,7 @@ pub mod image_log;
 pub mod lead_in;
 pub mod link;
 pub mod operating_conditions;
+pub mod physical_minimum;
 pub mod pulse_table;
 #[cfg(unix)]
 pub mod qemu;

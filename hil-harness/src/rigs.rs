@@ -146,19 +146,9 @@ pub fn verdicts_in_operation<'a>(
     count: u32,
     conditions: ConditionScatter,
 ) -> impl ExactSizeIterator<Item = Result<RigVerdict, RigError>> + 'a {
-    let seeds = Random::new(scenario.seed, Stream::RigSeed);
     (0..count).map(move |rig| {
-        let seed = seeds.bits(rig.into());
-        let on_rig = || {
-            let plant = scattered(&scenario.plant, seed)?;
-            let scenario = scenario.clone().on_rig(plant).seeded(seed);
-            conditions.draw(seed).applied_to(scenario)
-        };
-        let scenario = on_rig().map_err(|error| RigError::Parameters {
-            rig,
-            seed,
-            error: Box::new(error),
-        })?;
+        let scenario = rig_in_operation(scenario, rig, conditions)?;
+        let seed = scenario.seed;
         let run = run_in_process(&scenario).map_err(|error| RigError::Run {
             rig,
             seed,
@@ -172,6 +162,28 @@ pub fn verdicts_in_operation<'a>(
             coil_temperature_c: coil_temperature_c(&scenario.plant),
             verdict: run.verdict(requirement)?,
         })
+    })
+}
+
+/// Returns the scenario of one rig of [`verdicts_in_operation`]: its plant, seed and operating conditions.
+///
+/// # Errors
+/// Returns an error if a scattered value leaves the range of its parameter.
+pub fn rig_in_operation(
+    scenario: &Scenario,
+    rig: u32,
+    conditions: ConditionScatter,
+) -> Result<Scenario, RigError> {
+    let seed = Random::new(scenario.seed, Stream::RigSeed).bits(rig.into());
+    let on_rig = || {
+        let plant = scattered(&scenario.plant, seed)?;
+        let scenario = scenario.clone().on_rig(plant).seeded(seed);
+        conditions.draw(seed).applied_to(scenario)
+    };
+    on_rig().map_err(|error| RigError::Parameters {
+        rig,
+        seed,
+        error: Box::new(error),
     })
 }
 
