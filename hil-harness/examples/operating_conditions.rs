@@ -1,5 +1,6 @@
 //! Runs the operating range under every supply voltage, temperature and effect, and prints one row for each. Voltages and
-//! temperatures have a second row for the same controller without compensation.
+//! temperatures have a second row for rigs with a normally open vent valve, and a third one for the same controller without
+//! compensation.
 //!
 //! `cargo run --release -p hil-harness --example operating_conditions [-- RIGS]`
 
@@ -7,6 +8,7 @@ use std::process::ExitCode;
 
 use controller::Settings;
 use hil_harness::condition_table::{Condition, NEVER_SAMPLES, TABLE_HEAD};
+use hil_harness::scenario::with_normally_open_vent;
 use hil_harness::{Requirement, Scenario, controller_file};
 
 const RIGS: u32 = 40;
@@ -39,15 +41,23 @@ fn main() -> ExitCode {
         ..scenario.controller
     });
     let conditions = Condition::all(&scenario.plant);
-    let plain = conditions.iter().filter(|one| one.effect.is_none());
-    let constant_limits = plain.map(|condition| Condition {
-        name: format!("{}, no compensation", condition.name),
-        ..condition.clone()
-    });
-    let compensated = conditions
-        .iter()
-        .map(|condition| (condition.clone(), &scenario));
-    let rows = compensated.chain(constant_limits.map(|condition| (condition, &constant)));
+    let normally_open = with_normally_open_vent(scenario.plant.clone());
+    let normally_open = scenario.clone().on(normally_open);
+    let plain = |name: &'static str| {
+        let plain = conditions.iter().filter(|one| one.effect.is_none());
+        plain.map(move |condition| Condition {
+            name: format!("{}, {name}", condition.name),
+            ..condition.clone()
+        })
+    };
+    let rows = [
+        (conditions.clone(), &scenario),
+        (plain("normally open vent").collect(), &normally_open),
+        (plain("no compensation").collect(), &constant),
+    ];
+    let rows = rows
+        .into_iter()
+        .flat_map(|(conditions, scenario)| conditions.into_iter().map(move |one| (one, scenario)));
     for (condition, scenario) in rows {
         match condition.row(scenario, &Requirement::THESIS, rigs) {
             Ok(row) => println!("{row}"),

@@ -9,6 +9,7 @@ pub mod controller_file;
 pub mod device;
 mod difference;
 mod duty_factors;
+pub mod duty_limits;
 pub mod ecu_under_test;
 pub mod image;
 pub mod image_log;

@@ -5,6 +5,8 @@ use core::fmt;
 use controller::Settings;
 use ecu::{EcuSettings, PressureSensor, Supervision};
 use plant_sim::PlantParameters;
+use plant_sim::plant::VENT;
+use plant_sim::valve::ValveFunction;
 
 use crate::controller_file;
 use crate::lead_in::LeadIn;
@@ -187,10 +189,17 @@ fn followed(controller: Settings, from: &PlantParameters, to: &PlantParameters) 
     let with_shipped = Settings {
         compensation: shipped.compensation,
         pulses: shipped.pulses,
+        duty_min: shipped.duty_min,
+        duty_max_vent_pct: shipped.duty_max_vent_pct,
         ..controller
     };
     let [old, new] = [from, to].map(|plant| with_nominal_values(with_shipped, plant));
+    let has_old_limits = controller.duty_min == old.duty_min
+        && controller.duty_max_vent_pct == old.duty_max_vent_pct;
+    let limits = if has_old_limits { new } else { controller };
     Settings {
+        duty_min: limits.duty_min,
+        duty_max_vent_pct: limits.duty_max_vent_pct,
         compensation: match controller.compensation {
             Some(_) if controller.compensation == old.compensation => new.compensation,
             other => other,
@@ -283,6 +292,17 @@ pub fn with_orifices(mut plant: PlantParameters, diameter_m: f64) -> PlantParame
     }
     plant
 }
+
+/// Returns the plant with a normally open vent valve, as the thesis intends for a retarder (section 1.4). Its spring opens
+/// it against no pressure, and the coil shuts it at a low voltage too: 1 N of preload in place of 3.3 N (assumed).
+pub fn with_normally_open_vent(mut plant: PlantParameters) -> PlantParameters {
+    plant.functions[VENT] = ValveFunction::NormallyOpen;
+    plant.armature.preload_vent_n = NORMALLY_OPEN_PRELOAD_N;
+    plant
+}
+
+/// Preload of a normally open vent valve (N), assumed.
+const NORMALLY_OPEN_PRELOAD_N: f64 = 1.0;
 
 /// Orifice of the rig of figures 6.5 and 6.7 (m).
 pub const FIGURE_ORIFICE_M: f64 = 1.3e-3;

@@ -7,6 +7,8 @@ use plant_sim::PlantParameters;
 use plant_sim::plant::VENT;
 use plant_sim::valve::ValveFunction;
 
+use crate::duty_limits::with_vent_limits;
+
 /// Returns bounds within which the ECU accepts plants of this kind as healthy. Rates and currents are those of `plant`;
 /// a rig with the usual scatter is still healthy.
 ///
@@ -41,9 +43,11 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
 }
 
 /// Returns the controller with the nominal values of `plant`: voltage and resistance of its compensation, orifice, rates
-/// and command delay of its pulses. Each stays if it is not the one of the shipped controllers.
+/// and command delay of its pulses, duty limits of a normally open vent valve. Each stays if it is not the one of the
+/// shipped controllers.
 pub fn with_nominal_values(controller: Settings, plant: &PlantParameters) -> Settings {
     let shipped = Settings::pulses();
+    let controller = with_vent_limits(controller, plant);
     Settings {
         compensation: if controller.compensation == shipped.compensation {
             compensation(plant)

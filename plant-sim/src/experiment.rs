@@ -1,5 +1,7 @@
 //! Bench experiments of chapter 4 on the model: duty-cycle limits, filling and venting times, currents.
 
+use core::ops::Range;
+
 use crate::ecu_output::Command;
 use crate::parameters::{PA_PER_BAR, PlantParameters};
 use crate::plant::{FILL, VENT};
@@ -48,25 +50,34 @@ const SETTLING_NS: u64 = 300_000_000;
 /// Number of PWM periods in which the steady cycle is observed.
 const WATCHED_PERIODS: u64 = 20;
 
-/// Returns the lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves the rest stop by a
-/// noticeable travel, with the full supply pressure across the valve or with none. Returns `None` if even 100 % does
-/// not open it, and for a normally open valve, which opens without current.
+/// Returns the lowest duty cycle (%) that opens the valve (section 4.1): its armature leaves its seat by a noticeable
+/// travel, with the full supply pressure across the valve or with none. For a normally open valve it is the duty cycle of
+/// the opening, 100 % less that of the coil. Returns `None` if even 100 % does not open it.
 pub fn opening_duty_pct(
     parameters: &PlantParameters,
     valve: ValveId,
     with_pressure: bool,
 ) -> Option<f64> {
+    opening_duty_at_pct(parameters, valve, f64::from(u8::from(with_pressure)))
+}
+
+/// Returns the same with a share of the supply pressure (bar gauge), 0 to 1, across the valve.
+pub fn opening_duty_at_pct(
+    parameters: &PlantParameters,
+    valve: ValveId,
+    pressure_share: f64,
+) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
-    lowest_duty_pct(parameters, valve, |duty_pct| {
-        let simulator = at_duty(parameters, valve, duty_pct, with_pressure);
-        positions(parameters, simulator, valve, 0, settled_ns(parameters)).any(|x| x >= lift)
+    lowest_duty_pct(|duty_pct| {
+        let bench = Bench::new(parameters, valve, duty_pct, pressure_share);
+        bench.lifts(0..settled_ns(parameters)).any(|y| y >= lift)
     })
 }
 
 /// Returns the lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
 /// no longer returns to its seat within a PWM period. The thesis found this limit by ear: the sound ends when the
-/// armature no longer strikes the seat. The armature rests at full stroke only at about 7 % more duty cycle. Returns
-/// `None` if even 100 % does not keep it open, and for a normally open valve.
+/// armature no longer strikes the seat. The armature rests at full stroke only at about 7 % more duty cycle. For a normally
+/// open valve it is the duty cycle of the opening. Returns `None` if even 100 % does not keep it open.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
     let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
     staying_duty_pct(parameters, valve, lift)
@@ -83,9 +94,9 @@ pub fn full_stroke_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Opt
 fn staying_duty_pct(parameters: &PlantParameters, valve: ValveId, lift: f64) -> Option<f64> {
     let start_ns = settled_ns(parameters);
     let end_ns = start_ns + WATCHED_PERIODS * parameters.ecu.pwm_period_ns();
-    lowest_duty_pct(parameters, valve, |duty_pct| {
-        let simulator = at_duty(parameters, valve, duty_pct, false);
-        positions(parameters, simulator, valve, start_ns, end_ns).all(|x| x >= lift)
+    lowest_duty_pct(|duty_pct| {
+        let bench = Bench::new(parameters, valve, duty_pct, 0.0);
+        bench.lifts(start_ns..end_ns).all(|y| y >= lift)
     })
 }
 
@@ -94,50 +105,64 @@ fn settled_ns(parameters: &PlantParameters) -> u64 {
     parameters.ecu.command_delay_ns() + SETTLING_NS.max(30 * parameters.ecu.pwm_period_ns())
 }
 
-/// Returns armature positions between two instants, a hundred in each PWM period.
-fn positions(
-    parameters: &PlantParameters,
-    mut simulator: Simulator,
+/// Rig whose valve was shut and has just been commanded to open.
+struct Bench {
+    simulator: Simulator,
     valve: ValveId,
-    start_ns: u64,
-    end_ns: u64,
-) -> impl Iterator<Item = f64> {
-    let step_ns = (parameters.ecu.pwm_period_ns() / 100).max(1);
-    (start_ns..end_ns)
-        .step_by(step_ns as usize)
-        .map(move |time_ns| {
-            simulator.advance_to_ns(time_ns);
-            simulator.state().valves[valve.index()].x
+    pwm_period_ns: u64,
+}
+
+impl Bench {
+    /// Commands an opening (%), with a share of the supply pressure (bar gauge), 0 to 1, across the valve.
+    fn new(
+        parameters: &PlantParameters,
+        valve: ValveId,
+        opening_pct: f64,
+        pressure_share: f64,
+    ) -> Self {
+        let mut parameters = parameters.clone();
+        parameters.gas.supply_pressure_bar_gauge *= pressure_share;
+        let is_normally_open = parameters.functions[valve.index()] == ValveFunction::NormallyOpen;
+        let mut simulator = Simulator::new(&parameters);
+        let duty_pct = if is_normally_open {
+            simulator.command(valve.command(100.0));
+            simulator.advance_to_ns(settled_ns(&parameters));
+            100.0 - opening_pct
+        } else {
+            opening_pct
+        };
+        if valve == ValveId::Vent {
+            simulator.set_chamber_pressure(parameters.gas.supply_pressure_pa());
+        }
+        simulator.command(valve.command(duty_pct));
+        Self {
+            simulator,
+            valve,
+            pwm_period_ns: parameters.ecu.pwm_period_ns(),
+        }
+    }
+
+    /// Returns the lifts (m) in a time after the command (ns), a hundred in each PWM period.
+    fn lifts(self, time_ns: Range<u64>) -> impl Iterator<Item = f64> {
+        let Self {
+            mut simulator,
+            valve,
+            pwm_period_ns,
+        } = self;
+        let commanded_ns = simulator.time_ns();
+        let step_ns = (pwm_period_ns / 100).max(1);
+        time_ns.step_by(step_ns as usize).map(move |time_ns| {
+            simulator.advance_to_ns(commanded_ns + time_ns);
+            let x = simulator.state().valves[valve.index()].x;
+            simulator.plant().valves[valve.index()].lift(x)
         })
+    }
 }
 
-fn at_duty(
-    parameters: &PlantParameters,
-    valve: ValveId,
-    duty_pct: f64,
-    with_pressure: bool,
-) -> Simulator {
-    let mut parameters = parameters.clone();
-    if !with_pressure {
-        parameters.gas.supply_pressure_bar_gauge = 0.0;
-    }
-    let mut simulator = Simulator::new(&parameters);
-    if valve == ValveId::Vent {
-        simulator.set_chamber_pressure(parameters.gas.supply_pressure_pa());
-    }
-    simulator.command(valve.command(duty_pct));
-    simulator
-}
-
-/// Finds the lowest duty cycle at which `holds` is true by bisection, for a valve that opens under current.
-fn lowest_duty_pct(
-    parameters: &PlantParameters,
-    valve: ValveId,
-    holds: impl Fn(f64) -> bool,
-) -> Option<f64> {
+/// Finds the lowest opening (%) at which `holds` is true by bisection.
+fn lowest_duty_pct(holds: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut below, mut above) = (0.0, 100.0);
-    let normally_open = parameters.functions[valve.index()] == ValveFunction::NormallyOpen;
-    if normally_open || !holds(above) {
+    if !holds(above) {
         return None;
     }
     while above - below > DUTY_RESOLUTION_PCT {
@@ -177,16 +202,20 @@ pub fn pressure_step(
     from_bar_gauge: f64,
     to_bar_gauge: f64,
 ) -> Option<PressureStep> {
-    let mut simulator = at_duty(parameters, valve, duty_pct, true);
+    let mut simulator = Bench::new(parameters, valve, duty_pct, 1.0).simulator;
     let ambient = parameters.gas.ambient_pressure_pa;
+    let commanded_ns = simulator.time_ns();
     let start = simulator.state().pressure;
     let direction = if valve == ValveId::Fill { 1.0 } else { -1.0 };
     let passed = |pressure: f64, bar_gauge: f64| {
         direction * (pressure - ambient - bar_gauge * PA_PER_BAR) >= 0.0
     };
     let (mut dead_time_ns, mut from_ns) = (None, None);
-    while simulator.time_ns() < PATIENCE_NS {
-        let now = simulator.time_ns();
+    loop {
+        let now = simulator.time_ns() - commanded_ns;
+        if now >= PATIENCE_NS {
+            return None;
+        }
         let pressure = simulator.state().pressure;
         if (pressure - start).abs() >= NOTICEABLE_PA {
             dead_time_ns.get_or_insert(now);
@@ -202,15 +231,14 @@ pub fn pressure_step(
                 duration_s: (now - from_ns) as f64 * 1e-9,
             });
         }
-        simulator.advance_to_ns(now + GRID_NS);
+        simulator.advance_to_ns(simulator.time_ns() + GRID_NS);
     }
-    None
 }
 
 /// Returns mean, smallest and largest current (A) of the fill valve in the steady PWM cycle at `duty_pct`, with the
 /// supply pressure disconnected (figures 4.3 and 4.4).
 pub fn steady_current(parameters: &PlantParameters, duty_pct: f64) -> [f64; 3] {
-    let mut simulator = at_duty(parameters, ValveId::Fill, duty_pct, false);
+    let mut simulator = Bench::new(parameters, ValveId::Fill, duty_pct, 0.0).simulator;
     simulator.advance_to_ns(settled_ns(parameters));
     simulator.sample();
     let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
@@ -309,12 +337,21 @@ mod tests {
         }
     }
 
+    /// A normally open valve: the pressure helps to open it, and without current it stays open. At its limit it empties the
+    /// chamber, and 2 % below it does not.
     #[test]
-    fn a_normally_open_valve_has_no_opening_duty() {
+    fn a_normally_open_valve_opens_by_the_share_of_time_without_current() {
         let mut parameters = PlantParameters::nominal();
         parameters.functions[VENT] = ValveFunction::NormallyOpen;
-        assert_eq!(opening_duty_pct(&parameters, ValveId::Vent, true), None);
-        assert_eq!(holding_duty_pct(&parameters, ValveId::Vent), None);
+        let opening = |with_pressure| opening_duty_pct(&parameters, ValveId::Vent, with_pressure);
+        let (with, without) = (opening(true).unwrap(), opening(false).unwrap());
+        let holding = holding_duty_pct(&parameters, ValveId::Vent).unwrap();
+        assert!(5.0 < with && with < without && without <= holding && holding < 100.0);
+        let emptied = |opening_pct| {
+            pressure_step(&parameters, ValveId::Vent, opening_pct, 7.0, 6.0).is_some()
+        };
+        assert!(emptied(with + 2.0));
+        assert!(!emptied(with - 2.0));
         assert!(opening_duty_pct(&parameters, ValveId::Fill, true).is_some());
     }
 

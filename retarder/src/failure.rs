@@ -8,6 +8,7 @@ use ecu::calibration::SETTINGS;
 use hil_harness::RunError;
 use hil_harness::checks::JudgeError;
 use hil_harness::controller_file::ControllerFileError;
+use hil_harness::duty_limits::NoDutyLimit;
 use hil_harness::image::ImageError;
 use hil_harness::link::{LinkError, SerialError};
 #[cfg(unix)]
@@ -55,6 +56,8 @@ pub(crate) enum Failure {
         path: PathBuf,
         bundled: [&'static str; 3],
     },
+    #[error("{plant}: {error}")]
+    NotTuned { plant: String, error: NoDutyLimit },
     #[error("{}: not UTF-8 text; save it as UTF-8", path.display())]
     NotText { path: PathBuf },
     #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]

@@ -58,6 +58,7 @@ enum Work {
     ExplainThesis(NamedPlant),
     Parameters(NamedPlant),
     Settings(NamedController),
+    Tune(NamedPlant, NamedController),
     Serve(workbench::Options),
     Tab(TabArgs),
     Text(String),
@@ -147,6 +148,11 @@ impl Task {
                     Work::Settings(controller)
                 }
             }
+            Some(Command::Tune(args)) => {
+                let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
+                let plant = plant.whole()?;
+                Work::Tune(plant, NamedController::from_args(&args.controller)?)
+            }
             Some(Command::Serve(args)) => Work::Serve(workbench::Options {
                 project: args.project,
                 port: args.port,
@@ -228,6 +234,7 @@ impl Task {
             Work::ExplainThesis(plant) => Outcome::ThesisExplanation(run::thesis::explain(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
             Work::Settings(controller) => Outcome::Settings(controller),
+            Work::Tune(plant, controller) => Outcome::Text(run::tune::run(&plant, &controller)?),
             Work::Serve(options) => Outcome::Text(run::serve::run(&options, &mut |address| {
                 print::serving(address)
             })?),

@@ -30,16 +30,23 @@ impl CoilDetector {
         short: Debounce::CLEAR,
     };
 
-    /// Takes the mean current over the last PWM period (mA).
+    /// Takes the mean current over the last PWM period (mA). With a supply voltage (mV) above its window, a healthy coil
+    /// takes more than its largest current.
     #[inline(always)]
-    pub(crate) fn sample(&mut self, limits: &Limits, current_ma: Option<u16>) {
+    pub(crate) fn sample(
+        &mut self,
+        limits: &Limits,
+        current_ma: Option<u16>,
+        battery_mv: Option<u16>,
+    ) {
         let Some(current_ma) = current_ma else { return };
         let n = limits.mechanisms.samples(COIL_N);
         let takes_some = current_ma >= limits.coil_min_ma;
         let is_energised = self.energised.held_through(limits.settling);
         self.open.update(is_energised && !takes_some, n);
         let is_off = self.off.held_through(limits.settling);
-        let takes_too_much = current_ma > limits.coil_max_ma;
+        let is_overvoltage = battery_mv.is_some_and(|now| now > limits.battery_max_mv);
+        let takes_too_much = current_ma > limits.coil_max_ma && !is_overvoltage;
         self.short.update(takes_too_much || is_off && takes_some, n);
     }
 
@@ -73,7 +80,7 @@ mod tests {
             coil.command(duty);
         }
         for _ in 0..samples {
-            coil.sample(&bench_limits(), Some(current_ma));
+            coil.sample(&bench_limits(), Some(current_ma), Some(24_000));
             coil.command(duty);
         }
         coil.faults(Fault::VentCoilOpen, Fault::VentCoilShort)
@@ -103,6 +110,27 @@ mod tests {
         }
     }
 
+    /// Defect seen: in a load dump to 58 V, the coil that held a normally open vent valve shut counted as shorted.
+    #[test]
+    fn the_current_of_an_overvoltage_is_no_short_unless_the_coil_is_off() {
+        let limits = bench_limits();
+        for (battery_mv, current_ma, duty, expected) in [
+            (Some(limits.battery_max_mv + 1), 700, Duty::FULL, false),
+            (Some(limits.battery_max_mv), 700, Duty::FULL, true),
+            (None, 700, Duty::FULL, true),
+            (Some(58_000), 700, Duty::OFF, true),
+        ] {
+            let mut coil = CoilDetector::NEW;
+            for _ in 0..20 {
+                coil.sample(&limits, Some(current_ma), battery_mv);
+                coil.command(duty);
+            }
+            let faults = coil.faults(Fault::VentCoilOpen, Fault::VentCoilShort);
+            let is_short = faults == FaultSet::of(Fault::VentCoilShort);
+            assert_eq!(is_short, expected, "{battery_mv:?} mV, {duty:?}");
+        }
+    }
+
     #[test]
     fn current_without_command_is_a_short_once_it_had_time_to_decay() {
         let short = FaultSet::of(Fault::VentCoilShort);
@@ -128,7 +156,7 @@ mod tests {
     fn a_current_that_is_not_measured_is_not_judged() {
         let mut coil = CoilDetector::NEW;
         for _ in 0..100 {
-            coil.sample(&bench_limits(), None);
+            coil.sample(&bench_limits(), None, Some(24_000));
             coil.command(Duty::FULL);
         }
         let faults = coil.faults(Fault::FillCoilOpen, Fault::FillCoilShort);

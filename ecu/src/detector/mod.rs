@@ -93,9 +93,12 @@ impl Detectors {
         let bits = pressure.map(Pressure::to_bits);
         self.response.sample(limits, &command.valves, bits);
         self.offset.sample(limits, &command.valves, bits);
-        self.fill_coil.sample(limits, inputs.current_fill_ma);
-        self.vent_coil.sample(limits, inputs.current_vent_ma);
-        self.battery.sample(limits, inputs.battery_mv);
+        let battery_mv = inputs.battery_mv;
+        self.fill_coil
+            .sample(limits, inputs.current_fill_ma, battery_mv);
+        self.vent_coil
+            .sample(limits, inputs.current_vent_ma, battery_mv);
+        self.battery.sample(limits, battery_mv);
         self.sample_time.sample(limits, inputs.elapsed_us);
         Observation {
             pressure,

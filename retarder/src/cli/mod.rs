@@ -82,6 +82,8 @@ pub(crate) enum Command {
     NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and check its requirements
     Control(ControlArgs),
+    /// Write a controller file with the duty limits and nominal values of a plant
+    Tune(TuneArgs),
     /// Write one HTML report with comparison, diagnosis and closed loop
     Report(ReportArgs),
     /// Read the black box of a device: the last seconds before its first fault
@@ -229,6 +231,22 @@ pub(crate) struct SettingsArgs {
     pub(crate) requirements: bool,
     #[command(flatten)]
     pub(crate) toml: TomlArg,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  retarder tune --plant my-plant.toml > my-controller.toml
+  retarder control --plant my-plant.toml --controller my-controller.toml --rigs 20    its requirements on 20 rigs
+
+The experiments of section 4.1 of the thesis run on the model: the lowest duty cycle that opens each valve, with and without
+the supply pressure across it, and the lowest that keeps it open. Supply voltage, coil resistance, supply pressure, orifice and
+rates are those of the plant. Gains and times stay those of the controller that is tuned.")]
+pub(crate) struct TuneArgs {
+    #[command(flatten)]
+    pub(crate) plant: PlantArgs,
+    #[command(flatten)]
+    pub(crate) controller: ControllerArg,
 }
 
 #[derive(Debug, Args)]

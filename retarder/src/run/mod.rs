@@ -17,6 +17,7 @@ pub(crate) mod serve;
 pub(crate) mod session;
 pub(crate) mod simulate;
 pub(crate) mod thesis;
+pub(crate) mod tune;
 
 use crate::input::{NamedController, NamedPlant};
 

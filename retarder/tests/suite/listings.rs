@@ -3,6 +3,25 @@ use plant_sim::parameters::{PARAMETERS, ParameterSpec};
 
 use crate::runner::{Bench, assert_contains};
 
+/// Commands with examples in their help.
+const COMMANDS: [&str; 15] = [
+    "inspect",
+    "simulate",
+    "compare",
+    "diagnose",
+    "refine",
+    "next-experiment",
+    "control",
+    "blackbox",
+    "calibrate",
+    "thesis",
+    "parameters",
+    "settings",
+    "tune",
+    "schema",
+    "completions",
+];
+
 #[test]
 fn a_printed_plant_file_is_a_plant_file_and_every_parameter_is_listed() {
     let bench = Bench::new();
@@ -84,23 +103,7 @@ fn a_printed_controller_file_is_a_controller_file_and_every_setting_is_listed() 
 #[test]
 fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     let bench = Bench::new();
-    let commands = [
-        "inspect",
-        "simulate",
-        "compare",
-        "diagnose",
-        "refine",
-        "next-experiment",
-        "control",
-        "blackbox",
-        "calibrate",
-        "thesis",
-        "parameters",
-        "settings",
-        "schema",
-        "completions",
-    ];
-    for command in commands {
+    for command in COMMANDS {
         let help = bench.run(&[command, "--help"]).ended_with(0);
         assert_contains(
             &help,
@@ -109,7 +112,7 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
     }
     for shell in ["bash", "zsh", "fish", "powershell"] {
         let script = bench.run(&["completions", shell]).ended_with(0);
-        assert_contains(&script, &commands);
+        assert_contains(&script, &COMMANDS);
     }
 }
 
@@ -118,22 +121,7 @@ fn every_command_has_help_with_an_example_and_completions_name_every_command() {
 fn every_command_that_the_demo_and_the_help_propose_is_understood() {
     let bench = Bench::new();
     let mut texts = bench.run(&[]).ended_with(0);
-    for command in [
-        "",
-        "simulate",
-        "compare",
-        "diagnose",
-        "refine",
-        "next-experiment",
-        "control",
-        "blackbox",
-        "calibrate",
-        "thesis",
-        "parameters",
-        "settings",
-        "schema",
-        "completions",
-    ] {
+    for command in [""].into_iter().chain(COMMANDS) {
         let arguments = [command, "--help"];
         texts += &bench
             .run(if command.is_empty() {

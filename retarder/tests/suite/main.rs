@@ -24,3 +24,4 @@ mod serve;
 mod simulate;
 mod simulation_start;
 mod thesis;
+mod tune;
