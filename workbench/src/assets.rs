@@ -27,6 +27,7 @@ const MODULES: &[(&str, &str)] = modules![
     "dom.js",
     "filter.js",
     "format.js",
+    "jobs.js",
     "menu.js",
     "next.js",
     "theme.js",

@@ -8,6 +8,7 @@ mod compare;
 mod control;
 mod driver;
 mod figures;
+mod history;
 mod hostile;
 mod layout;
 mod long_log;

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::history::{History, Step, StepEffect, StepError};
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
 use crate::results::Chosen;
@@ -215,7 +215,7 @@ async fn fit(
             "there is no effect to fit; add one or switch one on",
         ));
     }
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let now = history.now();
         let (on, off): (Vec<_>, Vec<_>) = now.effects.iter().partition(|effect| effect.is_on);
         let base = history.base();

@@ -16,7 +16,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::control::REQUIREMENT;
 use super::{Begun, Shared, begin_job, session};
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::project::Project;
 use crate::refusal::Refusal;
 use crate::results::{Batch, Compared, Controlled};
@@ -82,7 +82,7 @@ async fn state(
 /// Begins to write the report; compares logs that were not compared with the plant yet.
 async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
-    Ok(begin_job(&session, work))
+    Ok(begin_job(&session, Span::Page, work))
 }
 
 fn work(session: &Session, job: &Job) -> Result<(), Refusal> {

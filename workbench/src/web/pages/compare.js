@@ -13,18 +13,16 @@ import { TimePlots } from "./compare/charts.js";
 
 export const title = "Compare";
 
-export async function show(place) {
-  const project = await api.get("/project");
+export const load = () => api.get("/project");
+
+export function show(place, project) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to compare yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "compare";
     return {};
   }
   const log = logs.find((one) => one.number === view.numberOf("log")) ?? logs[0];
-  const page = new Page(place, project, logs, log);
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, log);
 }
 
 /** Returns mark and words of the state of the model; `found` is the diagnosis, if there is one. */
@@ -77,12 +75,12 @@ class Page {
       await this.plots.refresh();
       if (!this.log.is_compared) await this.compare();
       await this.take();
-      document.body.dataset.ready = "compare";
+      return true;
     } catch (refusal) {
-      if (this.ending.signal.aborted) return;
+      if (this.ending.signal.aborted) return false;
       fill(this.verdict, element("span", { class: "chip bad" }, "not compared"), button("Compare", () => this.begin(), { id: "compare-again" }));
       if (refusal.name !== "AbortError") showProblems(refusal, this.log.name);
-      document.body.dataset.ready = "failed";
+      return false;
     }
   }
 
@@ -91,9 +89,8 @@ class Page {
     const share = element("span", { class: "quiet" }, "comparing …");
     const begun = await api.post(`/logs/${this.log.number}/compare`);
     const stop = new AbortController();
-    this.ending.signal.addEventListener("abort", () => stop.abort());
     fill(this.verdict, bar, share, button("Stop", () => stop.abort()));
-    await api.follow(begun.job, (done) => { bar.value = done; share.textContent = `comparing, ${percent(done)}`; }, stop.signal);
+    await api.follow(begun.job, (done) => { bar.value = done; share.textContent = `comparing, ${percent(done)}`; }, AbortSignal.any([stop.signal, this.ending.signal]));
     this.log.is_compared = true;
   }
 

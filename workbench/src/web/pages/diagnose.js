@@ -14,17 +14,15 @@ import { Work } from "./work.js";
 
 export const title = "Diagnose";
 
-export async function show(place) {
-  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+export const load = () => Promise.all([api.get("/project"), api.effects()]);
+
+export function show(place, [project, effects]) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to diagnose. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "diagnose";
     return {};
   }
-  const page = new Page(place, project, logs, new Map(effects.map((effect) => [effect.id, effect])));
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, new Map(effects.map((effect) => [effect.id, effect])));
 }
 
 /** Short texts of the verdicts, and their marks. */
@@ -38,7 +36,7 @@ const PAGE_TITLES = { compare: "Compare", control: "Control", refine: "Refine" }
 class Page {
   constructor(place, project, logs, effects) {
     Object.assign(this, { place, project, logs, effects, parts: [] });
-    this.work = new Work("Diagnosing");
+    this.work = new Work("Diagnosis", "/diagnose");
     this.answer = element("div", { class: "stack" });
   }
 
@@ -50,19 +48,23 @@ class Page {
     fill(this.place,
       element("section", { class: "bar row" },
         this.roles.element, element("span", {}, "compared with ", element("strong", {}, this.project.plant.name)),
-        element("span", { class: "space" }), this.work.element, this.start),
+        element("span", { class: "space" }), this.start),
       this.answer, this.next = element("div", {}));
     fill(this.next, nextLine("diagnose these logs.", "Diagnose", () => this.diagnose()));
     if (found) this.take(found);
     else fill(this.answer, element("section", { class: "card" },
       element("p", {}, "Adds each effect of the library, in each of its forms, to the plant and fits it with the ordinary parameters. Names the effects that explain the error on the validation data. Takes about 30 s per minute of log."),
       element("p", { class: "quiet" }, this.roles.words())));
-    document.body.dataset.ready = "diagnose";
+    if (this.work.isRunning) this.follow(this.work.resume());
   }
 
-  async diagnose() {
+  diagnose() {
+    return this.follow(this.work.run("/diagnose", this.roles.chosen));
+  }
+
+  async follow(work) {
     this.start.hidden = this.next.hidden = true;
-    const isDone = await this.work.run("/diagnose", this.roles.chosen);
+    const isDone = await work;
     this.start.hidden = this.next.hidden = false;
     if (!isDone) return;
     try {

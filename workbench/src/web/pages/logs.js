@@ -11,16 +11,12 @@ import { mappingForm } from "./mapping.js";
 
 export const title = "Logs and plant";
 
-export async function show(place) {
-  const page = new Page(place);
-  await page.refresh();
-  document.body.dataset.ready = "logs";
-  return page;
-}
+export const load = () => Promise.all([api.get("/project"), api.examples()]);
+
+export const show = (place, [project, examples]) => new Page(place, project, examples);
 
 class Page {
-  constructor(place) {
-    this.place = place;
+  constructor(place, project, examples) {
     this.open = new Set();
     this.logs = element("div", { class: "stack" });
     this.plant = element("section", { class: "card", "aria-labelledby": "plant-title" });
@@ -30,10 +26,6 @@ class Page {
       element("div", { class: "stack wide" }, this.dropZone(), this.logs),
       element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)),
       this.next = element("div", {}));
-  }
-
-  async refresh() {
-    const [project, examples] = await Promise.all([api.get("/project"), api.examples()]);
     this.listExamples(examples);
     this.showProject(project);
   }
@@ -269,6 +261,7 @@ class Page {
   async closeAll() {
     if (!await ask("Close all logs and the plant, and discard all results? This cannot be undone.", { close: "Close everything" })) return;
     this.open.clear();
+    view.forget();
     this.showProject(await api.remove("/project"));
   }
 }

@@ -15,17 +15,15 @@ import { Work } from "./work.js";
 
 export const title = "Refine";
 
-export async function show(place) {
-  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+export const load = () => Promise.all([api.get("/project"), api.effects()]);
+
+export function show(place, [project, effects]) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to refine the plant with. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "refine";
     return {};
   }
-  const page = new Page(place, project, logs, effects);
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, effects);
 }
 
 class Page {
@@ -35,7 +33,7 @@ class Page {
     this.roles = new Roles(logs);
     this.log = logs.find((log) => log.number === view.numberOf("log")) ?? logs.find((log) => log.number === this.roles.chosen.logs[0]) ?? logs[0];
     view.set({ log: this.log.number });
-    this.work = new Work("Fitting");
+    this.work = new Work("Fit", "/refine/fit", "/refine/estimate");
     this.plots = new Plots(this.log, () => this.simulate());
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
@@ -60,7 +58,7 @@ class Page {
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice), element("span", {}, "plant ", this.plant),
         element("span", { class: "space" }),
-        this.work.element, this.undo, this.redo, this.estimateButton, this.fitButton,
+        this.undo, this.redo, this.estimateButton, this.fitButton,
         element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
       element("div", { class: "columns plots" },
@@ -75,16 +73,20 @@ class Page {
           element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))),
       this.next = element("div", {}));
     try {
-      this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
+      const state = await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`);
+      if (this.ending.signal.aborted) return false;
+      this.take(state);
       const add = view.text("add");
       view.set({ add: null });
       if (add && !this.state.effects.some((effect) => effect.effect === add)) await this.change({ add: { effect: add } });
       else await this.simulate();
-      document.body.dataset.ready = "refine";
     } catch (refusal) {
       showProblems(refusal, "Refine");
-      document.body.dataset.ready = "failed";
+      return false;
     }
+    if (this.work.isRunning) this.follow(this.work.resume());
+    this.experiment.resume();
+    return true;
   }
 
   leave() {
@@ -202,10 +204,14 @@ class Page {
     });
   }
 
-  async fit(path) {
+  fit(path) {
+    return this.follow(this.work.run(path, { log: this.log.number, ...this.roles.chosen }));
+  }
+
+  async follow(work) {
     const buttons = [this.fitButton, this.estimateButton];
     buttons.forEach((one) => { one.hidden = true; });
-    const isDone = await this.work.run(path, { log: this.log.number, ...this.roles.chosen });
+    const isDone = await work;
     buttons.forEach((one) => { one.hidden = false; });
     if (!isDone) return;
     try {
