@@ -24,6 +24,7 @@ const MODULES: &[(&str, &str)] = modules![
     "main.js",
     "api.js",
     "chart.js",
+    "connection.js",
     "dom.js",
     "filter.js",
     "format.js",

@@ -1,6 +1,7 @@
 // Opens the session, shows the page given in the address, and closes the session when the page closes.
 
 import * as api from "./api.js";
+import * as connection from "./connection.js";
 import { element, fill, forgetProblems, showMessage } from "./dom.js";
 import { showInterrupted } from "./jobs.js";
 import * as theme from "./theme.js";
@@ -78,6 +79,17 @@ async function begin() {
   if (isCopy) showMessage("This tab works on a copy of the project that was open last. Other tabs do not change.", "lasting");
 }
 
+/** Opens the project again, and shows the same view, after the server was started again. */
+async function restore() {
+  try {
+    await begin();
+  } catch (error) {
+    showError(error);
+    return;
+  }
+  await show();
+}
+
 document.getElementById("link").addEventListener("click", async () => {
   await navigator.clipboard.writeText(view.link());
   showMessage("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
@@ -88,6 +100,7 @@ addEventListener("pageshow", (event) => { if (event.persisted) location.reload()
 view.begin(show);
 try {
   await begin();
+  connection.watch(restore);
   showInterrupted();
   await show();
 } catch (error) {

@@ -15,5 +15,6 @@ mod long_log;
 mod newcomer;
 mod rates;
 mod reading;
+mod reconnect;
 mod refine;
 mod tabs;
