@@ -94,6 +94,9 @@ document.getElementById("link").addEventListener("click", async () => {
   await navigator.clipboard.writeText(view.link());
   showMessage("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
 });
+// Pages that fill the window need the height of the header, which grows by a notice.
+const header = document.querySelector(".top");
+new ResizeObserver(() => document.documentElement.style.setProperty("--header", `${header.offsetHeight}px`)).observe(header);
 theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
 addEventListener("pagehide", () => api.close());
 addEventListener("pageshow", (event) => { if (event.persisted) location.reload(); });

@@ -236,7 +236,7 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         let traces = person
             .run("return document.getElementById('time-plots').data.length")
             .await;
-        person.click("[data-overlay='2']").await;
+        person.click_in_menu("signals", "[data-overlay='2']").await;
         person
             .until(&format!(
                 "document.getElementById('time-plots').data.length > {traces}"

@@ -166,6 +166,14 @@ impl Person {
             .unwrap_or_else(|error| panic!("{selector}: {error}"));
     }
 
+    /// Opens a pop-up, clicks into it, and closes it.
+    pub(crate) async fn click_in_menu(&self, menu: &str, selector: &str) {
+        let button = format!("#{menu} > summary");
+        self.click(&button).await;
+        self.click(selector).await;
+        self.click(&button).await;
+    }
+
     /// Clicks twice on the same place, as some users always do.
     pub(crate) async fn double_click(&self, selector: &str) {
         let element = self.client.find(Locator::Css(selector)).await.unwrap();

@@ -27,14 +27,16 @@ fn the_legend_lists_what_is_drawn_and_bars_share_a_zero() {
             assert!(all.contains(part), "{part}: {all}");
         }
         assert!(!all.contains("tolerance"), "no band is set: {all}");
-        person.click("[data-overlay='2']").await;
+        person.click_in_menu("signals", "[data-overlay='2']").await;
         person
             .until(
                 "document.getElementById('legend').textContent.includes('practice-01-check.csv')",
             )
             .await;
         for signal in ["p_ch", "i_fill", "i_vent"] {
-            person.click(&format!("[data-signal='{signal}']")).await;
+            person
+                .click_in_menu("signals", &format!("[data-signal='{signal}']"))
+                .await;
         }
         person
             .until("!document.getElementById('legend').textContent.includes('modelled')")

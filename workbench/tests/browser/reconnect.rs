@@ -44,7 +44,9 @@ fn an_open_tab_says_that_its_server_has_ended_and_continues_with_the_new_address
         person.picture_of_window("reconnect").await;
         // Charts whose request failed do not repeat what the notice says.
         assert_eq!(
-            person.run("return document.querySelectorAll('#messages .problem').length").await,
+            person
+                .run("return document.querySelectorAll('#messages .problem').length")
+                .await,
             json!(0)
         );
 

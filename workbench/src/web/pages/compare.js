@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number, percent, signed, titled } from "../format.js";
 import { nextLine } from "../next.js";
+import { SideTabs } from "../side-tabs.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
 import { Cursors } from "./compare/cursors.js";
@@ -41,20 +42,27 @@ class Page {
     this.ending = new AbortController();
     this.verdict = element("div", { class: "verdict", role: "status", id: "verdict" });
     this.cursors = new Cursors(log, () => this.plots.mark());
-    this.plots = new TimePlots(log, logs, project.plant, this.cursors, { onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved) });
+    this.plots = new TimePlots(log, logs, project.plant, this.cursors, limitsMenu(log, project.strictness), {
+      onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved), onCursor: () => this.side.show("values"),
+    });
     this.regimes = new Regimes(() => this.plots.refresh());
     this.closer = element("div", { class: "stack" });
     const choice = element("select", { id: "log", on: { change: () => view.go("compare", { log: Number(choice.value) }) } },
       logs.map((one) => element("option", { value: one.number, selected: one === log }, one.name)));
+    this.findings = element("section", { class: "findings" });
+    this.side = new SideTabs("Figures of the comparison", [
+      ["where", "Where the error is", [this.regimes.element, this.findings]],
+      ["values", "Values", [this.cursors.element, this.plots.hint]],
+      ["statistics", "Statistics", [element("h2", {}, "Residual within the visible range"), this.plots.metrics]],
+    ]);
     fill(place,
-      element("section", { class: "bar row" },
-        element("label", {}, "Log ", choice),
-        element("span", {}, "compared with ", element("strong", {}, project.plant.name)),
-        this.verdict, element("span", { class: "space" }), limitsMenu(log, project.strictness)),
-      element("div", { class: "columns plots" },
-        element("div", { class: "stack wide" }, this.plots.element),
-        element("aside", { class: "stack" }, this.cursors.element, this.findings = element("section", { class: "card", hidden: true }))),
-      this.regimes.element, this.closer, this.next = element("div", {}));
+      element("div", { class: "screen" },
+        element("section", { class: "bar row" },
+          element("label", {}, "Log ", choice),
+          element("span", {}, "compared with ", element("strong", {}, project.plant.name)),
+          this.verdict),
+        element("div", { class: "workspace" }, this.plots.element, this.side.element)),
+      this.plots.differences.metrics, this.closer, this.next = element("div", {}));
   }
 
   leave() {
@@ -120,8 +128,7 @@ class Page {
   }
 
   showFindings(signals) {
-    this.findings.hidden = false;
-    fill(this.findings, element("h2", {}, "Where the error is"),
+    fill(this.findings, element("h2", {}, "Signals"),
       signals.map((signal) => element("div", {},
         element("h3", {}, titled(signal.name)),
         element("p", {}, signal.finding.sentence),
