@@ -72,6 +72,27 @@ fn short_times_are_in_milliseconds() {
     });
 }
 
+/// Every picture for the eyes has a name for a screen reader.
+#[test]
+fn every_chart_has_a_name_and_terms_have_their_meaning() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.compare("practice-01-id.csv").await;
+        let nameless = "[...document.querySelectorAll('.chart')].filter((chart) => !chart.getAttribute('aria-label') || !chart.getAttribute('role')).map((chart) => chart.id)";
+        let charts = "document.querySelectorAll('#time-plots, #error-map, #scatter, #fold, #distribution, #spectrum').length";
+        assert_eq!(person.run(&format!("return {nameless}")).await, json!([]));
+        assert_eq!(person.run(&format!("return {charts}")).await, json!(6));
+        let terms = "return [...new Set([...document.querySelectorAll('abbr')].filter((one) => one.title.length > 20).map((one) => one.textContent))].sort()";
+        assert_eq!(
+            person.run(terms).await,
+            json!(["noise floor", "of the excess"])
+        );
+    });
+}
+
 #[test]
 fn a_report_without_logs_cannot_be_written() {
     with_browser(async |person| {

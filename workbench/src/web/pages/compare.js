@@ -5,6 +5,7 @@ import { button, element, fill, showProblems } from "../dom.js";
 import { number, percent, signed, titled } from "../format.js";
 import { nextLine } from "../next.js";
 import { SideTabs } from "../side-tabs.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
 import { Cursors } from "./compare/cursors.js";
@@ -132,7 +133,7 @@ class Page {
       signals.map((signal) => element("div", {},
         element("h3", {}, titled(signal.name)),
         element("p", {}, signal.finding.sentence),
-        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, peak ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
+        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, `, term("noise floor"), ` ${number(signal.noise_floor.value, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, peak ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
           button("Show in plot", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
       [this.comparison.clock, this.comparison.start_gas].filter(Boolean).map(({ statement }) =>

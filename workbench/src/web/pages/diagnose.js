@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { duration, number, unitText } from "../format.js";
 import { nextLine } from "../next.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { Candidates } from "./diagnose/candidates.js";
 import { Experiment } from "./diagnose/experiment.js";
@@ -95,7 +96,7 @@ class Page {
         new Candidates(diagnosis, this.effects, (effect) => this.add(effect)).element,
         element("div", { class: "stack" },
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the noise floor (the line at 1).`),
+            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the `, term("noise floor"), " (the line at 1)."),
             errorSteps(rungsOf(diagnosis.error_steps)), this.freeRun(diagnosis)),
           this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
@@ -151,7 +152,7 @@ class Page {
   location(diagnosis) {
     const list = (regimes) => element("ul", { class: "plain" }, regimes.map((regime) => element("li", {},
       element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
-    return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
+    return element("section", { class: "card" }, element("h2", {}, "Where the ", term("excess error"), " is"),
       diagnosis.where.of_compare.map((sentence) => element("p", {}, `${sentence}.`)),
       element("h3", {}, "With the ordinary parameters refitted"), list(diagnosis.where.before),
       diagnosis.unexplained && diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);

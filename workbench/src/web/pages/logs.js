@@ -2,7 +2,7 @@
 
 import * as api from "../api.js";
 import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
-import { count, duration, number } from "../format.js";
+import { count, duration, number, ratesOf } from "../format.js";
 import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
@@ -137,6 +137,7 @@ class Page {
 
   summary(log) {
     const { summary } = log;
+    const rates = ratesOf(summary);
     const facts = [
       summary.start && `recorded ${summary.start}`, `${count(summary.samples)} samples`, duration(summary.duration_s),
       summary.sample_interval_s && `every ${duration(summary.sample_interval_s)}`,
@@ -147,7 +148,7 @@ class Page {
       element("p", { class: "facts" }, facts.filter(Boolean).join(" · ")),
       element("ul", { class: "signals" }, summary.signals.map((signal) => element("li", { class: "chip", title: `${signal.quantity}; ${number(signal.lowest)} to ${number(signal.highest)} ${signal.unit}` },
         element("b", {}, signal.name), ` ${signal.unit}`,
-        signal.own_interval_s && element("span", { class: "quiet" }, ` every ${duration(signal.own_interval_s)}`),
+        rates.has(signal.name) && element("span", { class: "quiet" }, ` ${rates.get(signal.name)}`),
         signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))),
       summary.left_out.length > 0 && element("details", {}, element("summary", {}, `${summary.left_out.length} left out`),
         element("ul", { class: "plain" }, summary.left_out.map((one) => element("li", {}, element("b", {}, one.name), ` ${one.reason}`)))));

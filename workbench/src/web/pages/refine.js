@@ -4,12 +4,14 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number } from "../format.js";
 import { nextLine } from "../next.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
 import { Effects } from "./refine/effects.js";
 import { estimated } from "./refine/estimation.js";
 import { Experiment } from "./refine/experiment.js";
 import { Plots } from "./refine/plots.js";
+import { Refitted } from "./refine/refitted.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
 
@@ -43,6 +45,7 @@ class Page {
     this.plant = element("strong", { id: "plant-name" });
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
+    this.refitted = new Refitted((change) => this.change(change));
     this.fitted = element("section", { class: "card", hidden: true });
     this.estimated = element("section", { class: "card", hidden: true });
     this.experiment = new Experiment(() => ({ log: this.log.number, ...this.roles.chosen }));
@@ -65,8 +68,8 @@ class Page {
         element("div", { class: "stack" },
           element("section", { class: "card", id: "error-steps" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
-            this.rungs, this.cost),
+            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the `, term("noise floor"), ` (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
+            this.rungs, this.cost, this.refitted.element),
           this.plots.element, this.estimated, this.experiment.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
@@ -118,7 +121,10 @@ class Page {
         await this.simulate();
       } catch (refusal) {
         showProblems(refusal, "Change");
-        if (this.state) this.effects.take(this.state.effects);
+        if (this.state) {
+          this.effects.take(this.state.effects);
+          this.refitted.take(this.state.refitted);
+        }
       }
     });
     return this.queue;
@@ -131,6 +137,7 @@ class Page {
     this.redo.disabled = state.at + 1 === state.steps.length;
     this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
     this.effects.take(state.effects);
+    this.refitted.take(state.refitted);
     this.showSteps(state);
     fill(this.next, state.at > 0 || state.effects.length > 0
       ? nextLine("compare the refined plant with the log.", "Compare", () => view.go("compare", { log: this.log.number }))
@@ -190,10 +197,7 @@ class Page {
   /** Moves the bars from their previous lengths; the bars of a new row start at the errors of the plant as opened. */
   showErrorSteps(rungs) {
     const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
-    const isOpen = Boolean(this.rungs.querySelector(".changed[open]"));
     fill(this.rungs, errorSteps(rungs));
-    const changed = this.rungs.querySelector(".changed");
-    if (changed) changed.open = isOpen;
     [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
       const from = before[index] ?? before[0] ?? [];
       rung.querySelectorAll(".fill").forEach((bar, signal) => {

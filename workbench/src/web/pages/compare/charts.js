@@ -4,7 +4,7 @@ import * as api from "../../api.js";
 import { axis, clear, draw, label, layout, plotly, saveImage } from "../../chart.js";
 import { button, element, fill, save, showProblems } from "../../dom.js";
 import { Filter } from "../../filter.js";
-import { count, fileName, number, percent, signed, titled } from "../../format.js";
+import { count, fileName, number, percent, ratesOf, signed, titled } from "../../format.js";
 import { menu } from "../../menu.js";
 import { colour } from "../../theme.js";
 import { NAMES, TimeView } from "../../time-view.js";
@@ -212,15 +212,17 @@ export class TimePlots extends TimeView {
 
   /** Returns the plots from top to bottom. */
   panels() {
+    const rates = ratesOf(this.log.summary);
+    const rated = (name, title) => rates.has(name) ? `${title}, ${rates.get(name)}` : title;
     const shown = this.shown();
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
-      { height: HEIGHT.signal, title: `${titled(signal.name)} [${signal.unit}]`, draw: (yaxis) => this.drawSignal(signal, yaxis) },
+      { height: HEIGHT.signal, title: rated(signal.name, `${titled(signal.name)} [${signal.unit}]`), draw: (yaxis) => this.drawSignal(signal, yaxis) },
       ...this.differences.panels(this, signal.name),
       ...signal.residual ? [{ height: HEIGHT.residual, title: `${signal.name}: measured − modelled [${signal.residual.unit}]`, ink: "label", draw: (yaxis) => this.drawResidual(signal.residual, yaxis) }] : [],
     ]);
     const inputs = shown.filter((one) => one.is_input);
     const duties = inputs.filter(isDuty);
-    const input = (signals, title) => ({ height: HEIGHT.input, title: `${title} [${signals[0].unit}]`, draw: (yaxis) => this.drawInput(signals, yaxis) });
+    const input = (signals, title) => ({ height: HEIGHT.input, title: rated(signals[0].name, `${title} [${signals[0].unit}]`), draw: (yaxis) => this.drawInput(signals, yaxis) });
     return [
       ...outputs,
       ...duties.length > 0 ? [input(duties, "duty cycles")] : [],

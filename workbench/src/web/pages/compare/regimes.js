@@ -5,6 +5,7 @@ import { axis, clear, draw, label, layout } from "../../chart.js";
 import { button, element, fill } from "../../dom.js";
 import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
+import { term } from "../../terms.js";
 import * as view from "../../view.js";
 
 /** Values that a cell can show. */
@@ -116,7 +117,7 @@ export class Regimes {
         element("td", {}, signed(error.bias, 3)));
     });
     return element("details", { open: ["valve_state", "duty_band"].includes(regime.dimension) }, element("summary", {}, regime.title),
-      element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["", "samples", "of the excess", `bias [${signal.unit}]`].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)));
+      element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["", "samples", term("excess error", "of the excess"), `bias [${signal.unit}]`].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)));
   }
 }
 
