@@ -72,6 +72,22 @@ fn short_times_are_in_milliseconds() {
     });
 }
 
+/// Goal: less than 150 kB without the charting library, headers and answers to requests included.
+#[test]
+fn the_page_without_its_charting_library_is_light() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        let sent = "return ['navigation', 'resource'].flatMap((type) => performance.getEntriesByType(type)) \
+                    .filter((one) => !one.name.endsWith('/plotly.js')).reduce((sum, one) => sum + one.transferSize, 0)";
+        let sent = person.run(sent).await.as_u64().unwrap();
+        println!("{sent} bytes without the charting library");
+        assert!((10_000..150_000).contains(&sent), "{sent} bytes");
+    });
+}
+
 /// Every picture for the eyes has a name for a screen reader.
 #[test]
 fn every_chart_has_a_name_and_terms_have_their_meaning() {
