@@ -307,7 +307,8 @@ impl Draft {
             )
         };
         self.plant.set(name, value, &origin)?;
-        Ok(format!("{name}: {value:.4} {unit}, {words}"))
+        let value = format!("{value} {unit}");
+        Ok(format!("{name}: {}, {words}", value.trim_end()))
     }
 
     /// Changes the form of the law; parameters of both forms keep their values.

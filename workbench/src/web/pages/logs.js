@@ -132,7 +132,8 @@ class Page {
     const where = [line && `line ${line}`, column && `column ${column}`].filter(Boolean).join(", ");
     return element("div", { class: "problem" },
       element("p", {}, element("strong", {}, where ? `${where}: ` : ""), message),
-      element("p", { class: "quiet" }, code, log.is_mapped && " – read with a mapping"));
+      element("p", { class: "quiet" }, code, log.is_mapped && " – read with a mapping"),
+      element("ul", { class: "plain others" }));
   }
 
   summary(log) {
@@ -170,12 +171,14 @@ class Page {
       const preview = await api.get(`/logs/${log.number}/preview${reference ? `?pressure=${reference}` : ""}`);
       const { inspection } = preview;
       if (reference && (inspection?.mapping_with_reference ?? inspection?.mapping)) {
-        await this.mapColumns(log, { toml: inspection.mapping_with_reference ?? inspection.mapping });
+        await this.adopt(log, { toml: inspection.mapping_with_reference ?? inspection.mapping });
         return;
       }
-      if (log.problem && inspection && isUnderstood(inspection)) this.showUnderstood(details.parentElement);
+      const card = details.parentElement;
+      if (log.problem && inspection && isUnderstood(inspection)) this.showUnderstood(card);
+      if (inspection) showNeeded(card, log, inspection);
       fill(details,
-        inspection && inspectionView(inspection, (answer) => this.fillDetails(log, details, answer), (toml) => this.mapColumns(log, { toml })),
+        inspection && inspectionView(inspection, Boolean(log.problem), (answer) => this.fillDetails(log, details, answer), (toml) => this.adopt(log, { toml })),
         preview.around && [element("h3", {}, "Lines around the error"), rawTable(preview.around, log.problem)],
         preview.rows.length > 0 && [element("h3", {}, "First rows as signals"), valueTable(preview)],
         preview.head.lines.length > 0 && [element("h3", {}, "First lines (raw)"), rawTable(preview.head, log.problem)],
@@ -193,14 +196,21 @@ class Page {
       "All columns are recognised. Check them, then use these signals."));
   }
 
+  /** Applies a mapping that the inspection proposes. */
+  async adopt(log, form) {
+    for (const { message } of await this.mapColumns(log, form)) showMessage(`Mapping: ${message}`, "problem");
+  }
+
+  /** Applies a mapping; returns the problems of its content. */
   async mapColumns(log, form) {
     try {
       const project = await api.put(`/logs/${log.number}/mapping`, form);
       const after = project.logs.find((one) => one.number === log.number);
       if (!after.problem) { this.open.delete(log.number); showMessage(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
       this.showProject(project);
+      return [];
     } catch (refusal) {
-      showProblems(refusal, "Mapping");
+      return refusal.problems ?? [{ message: String(refusal) }];
     }
   }
 
@@ -265,6 +275,18 @@ class Page {
     view.forget();
     this.showProject(await api.remove("/project"));
   }
+}
+
+/** Shows the needed signals on the card of a log, missing ones in red, and the problems that follow the first one. */
+function showNeeded(card, log, { found, missing, problem, remarks, defects }) {
+  card.querySelector(".needed")?.remove();
+  const chip = (mark) => (name) => element("li", { class: `chip ${mark}`, title: mark === "bad" ? `${name}: required for a comparison of valves and chamber, not found` : undefined }, name);
+  if (missing.length > 0) {
+    card.querySelector(":scope > header").after(element("ul", { class: "needed", "aria-label": "Required signals" }, found.map(chip("good")), missing.map(chip("bad"))));
+  }
+  const others = card.querySelector(":scope > .problem .others");
+  const more = [problem?.message, ...remarks, ...defects].filter((text) => text && !text.includes(log.problem?.message));
+  if (others) fill(others, more.map((text) => element("li", {}, text)));
 }
 
 /** Returns whether an inspection proposes a mapping that reads the log, without a question to the user. */
