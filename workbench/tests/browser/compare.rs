@@ -229,6 +229,8 @@ fn no_mapping_is_proposed_for_an_empty_or_a_truncated_file() {
                 .await,
             json!(0)
         );
+        let next = person.text(".next").await;
+        assert!(next.contains("open a complete log"), "{next}");
         person.picture("beyond-mapping").await;
         let said = person.text("[data-name='cut.csv'] .problem").await;
         assert!(said.contains("E-CSV-TRUNCATED"), "{said}");

@@ -56,6 +56,11 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     let diagnosis = &view["diagnosis"];
     assert_eq!(diagnosis["verdict"], "found");
     assert_eq!(diagnosis["effects"], json!(["chamber_leak"]));
+    // Defect seen: the report marked the model as failed, although the diagnosis explains its error.
+    let written = browser.work(&session, &format!("{session}/report"), &json!({}));
+    assert_eq!(written.last().unwrap()["state"], "done");
+    let report = browser.get(&format!("{session}/report/file")).text();
+    assert!(report.contains("explained, above the limit") && !report.contains("✗ fail"));
     let file = browser.get(&format!("{session}/diagnosis/json"));
     assert!(
         file.header("content-disposition")

@@ -169,17 +169,18 @@ fn html(session: &Session, project: &Project, logs: &[Log]) -> Result<String, Re
             ))
         })
         .collect();
+    let findings = Findings::of(session);
     let models: Vec<ModelPart<'_>> = compared
         .iter()
         .map(|(log, compared)| ModelPart {
             log: &log.recording,
             comparison: &compared.comparison,
+            is_explained: findings.is_explained,
         })
         .collect();
     let controlled = runs_of_now(session);
     let batch = session.batch.get().filter(|batch| batch.is_of(project));
     let control = control(controlled.as_deref(), batch.as_deref());
-    let findings = Findings::of(session);
     let recordings: Vec<_> = compared.iter().map(|(log, _)| &log.recording).collect();
     let runs = findings.before_and_after(&recordings);
     let names: Vec<&str> = logs.iter().map(|log| log.name.as_str()).collect();

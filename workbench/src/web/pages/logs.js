@@ -7,7 +7,7 @@ import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
 import { inspectionView } from "./inspection.js";
-import { mappingForm } from "./mapping.js";
+import { isMappable, mappingForm } from "./mapping.js";
 
 export const title = "Logs and plant";
 
@@ -45,7 +45,9 @@ class Page {
     const log = logs.find((one) => !one.problem);
     if (log) return nextLine(`compare ${log.name} with the plant.`, "Compare", () => view.go("compare", { log: log.number }));
     if (logs.length === 0) return nextLine("open a log, or an example.", "Choose files …", () => document.getElementById("files").click());
-    return nextLine(`map the columns of ${logs[0].name}.`, "Show columns", () => document.querySelector(".log").scrollIntoView());
+    const unread = logs.find(isMappable);
+    if (unread) return nextLine(`map the columns of ${unread.name}.`, "Show columns", () => document.querySelector(`[data-log="${unread.number}"]`).scrollIntoView());
+    return nextLine("open a complete log.", "Choose files …", () => document.getElementById("files").click());
   }
 
   /** Adds these channels to every log; returns their problems. */

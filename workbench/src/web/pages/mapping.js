@@ -7,6 +7,9 @@ import { titled } from "../format.js";
 /** Codes of files that no mapping can repair. */
 const BEYOND_MAPPING = /-(EMPTY|TRUNCATED)$/;
 
+/** Returns whether a mapping can make a log readable. */
+export const isMappable = (log) => !BEYOND_MAPPING.test(log.problem?.code ?? "");
+
 /** Value of the choice of a signal that the model does not have. */
 const OTHER = "other …";
 
@@ -19,7 +22,7 @@ export function mappingForm(log, preview, apply) {
   const dialect = inspection?.dialect;
   const isText = !inspection || Boolean(dialect);
   const columns = inspection?.columns ?? unknownColumns(preview.head.lines);
-  if (columns.length === 0 || BEYOND_MAPPING.test(log.problem?.code ?? "")) return false;
+  if (columns.length === 0 || !isMappable(log)) return false;
   const header = element("input", { type: "checkbox", checked: dialect?.header ?? true });
   const skip = element("input", { type: "number", min: 0, value: dialect?.skip_lines ?? 0, class: "short" });
   const rows = columns.map((column, index) => new Row(isText ? index + 1 : column.key, column, preview, use(column, isText)));
