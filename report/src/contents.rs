@@ -60,6 +60,8 @@ pub struct ModelPart<'a> {
     pub log: &'a Recording,
     /// Result with its traces.
     pub comparison: &'a Comparison,
+    /// Whether a diagnosis explains the error of the plant: a signal above its limit is then no failure.
+    pub is_explained: bool,
 }
 
 /// Diagnosis and its plots.

@@ -13,6 +13,8 @@ pub(super) enum Standing {
     Open,
     /// Outside a limit that is not binding.
     Beyond,
+    /// Outside its limit, for a reason that a diagnosis names.
+    Explained,
 }
 
 impl Standing {
@@ -24,6 +26,14 @@ impl Standing {
         }
     }
 
+    /// Returns the result of a check whose failure may be explained.
+    pub(super) fn unless_explained(self, is_explained: bool) -> Self {
+        match self {
+            Self::DoesNotHold if is_explained => Self::Explained,
+            other => other,
+        }
+    }
+
     /// Returns a badge with a mark in addition to the colour, for readers who cannot distinguish the colours.
     pub(super) fn badge(self) -> Markup {
         let (class, words) = match self {
@@ -31,6 +41,7 @@ impl Standing {
             Self::DoesNotHold => ("badge fails", "✗ fail"),
             Self::Open => ("badge open", "? open"),
             Self::Beyond => ("badge open", "beyond, not binding"),
+            Self::Explained => ("badge open", "explained, above the limit"),
         };
         markup! { span class=(class) { (words) } }
     }

@@ -12,7 +12,11 @@ use crate::plot::{self, SmallUnit, capitalised, signal_words};
 /// Length of the excerpts (s).
 const EXCERPT_S: f64 = 10.0;
 
-pub(super) fn standing(comparison: &Comparison) -> Standing {
+pub(super) fn standing(part: &ModelPart<'_>) -> Standing {
+    of_comparison(part.comparison).unless_explained(part.is_explained)
+}
+
+fn of_comparison(comparison: &Comparison) -> Standing {
     let verdict = &comparison.verdict;
     if !verdict.failing.is_empty() {
         Standing::DoesNotHold
@@ -39,7 +43,7 @@ pub(super) fn headline(comparison: &Comparison) -> String {
     let nearest = signals()
         .filter_map(|signal| Some((of_limit(signal)?, signal)))
         .max_by(|(one, _), (other, _)| one.total_cmp(other));
-    match (standing(comparison), nearest) {
+    match (of_comparison(comparison), nearest) {
         (Standing::Holds, Some((_, signal))) => format!(
             "Every compared signal is within its limit; nearest to it is the {}, off by {}.",
             signal_words(&signal.name),
@@ -75,14 +79,14 @@ pub(super) fn section(index: usize, part: &ModelPart<'_>) -> Markup {
     };
     html! {
         section id=(id) {
-            h2 { "Model compared with measurement, " (foreign(&comparison.log)) " " (standing(comparison).badge()) }
+            h2 { "Model compared with measurement, " (foreign(&comparison.log)) " " (standing(part).badge()) }
             p.rule { "The rule: " (foreign(&comparison.verdict.rule)) "." }
             @for sentence in conditions(comparison) { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
             @for sentence in &comparison.defects.sentences { p.finding { (foreign(&format!("{}.", capitalised(sentence)))) } }
             @for warning in &comparison.warnings {
                 p.finding { strong { "Warning" } ": " (foreign(&warning.statement)) "." }
             }
-            (signal_table(comparison))
+            (signal_table(part))
             (how_to_read(comparison))
             @for signal in &comparison.signals { (signal_section(part, signal)) }
             @if !comparison.not_compared.is_empty() {
@@ -104,7 +108,7 @@ fn conditions(comparison: &Comparison) -> impl Iterator<Item = &str> {
     clock.chain(start_gas.map(|start| &*start.statement))
 }
 
-fn signal_table(comparison: &Comparison) -> Markup {
+fn signal_table(part: &ModelPart<'_>) -> Markup {
     html! {
         div.table {
             table {
@@ -116,17 +120,20 @@ fn signal_table(comparison: &Comparison) -> Markup {
                         th.number { "Worst" }
                     }
                 }
-                tbody { @for signal in &comparison.signals { (signal_row(signal)) } }
+                tbody { @for signal in &part.comparison.signals { (signal_row(signal, part.is_explained)) } }
             }
         }
     }
 }
 
-fn signal_row(signal: &SignalComparison) -> Markup {
+fn signal_row(signal: &SignalComparison, is_explained: bool) -> Markup {
     let unit = SmallUnit::of_errors_in(&signal.unit);
     let scaled = |value: f64| value * unit.per_unit;
     let free = &signal.free_run;
-    let standing = signal.holds.map_or(Standing::Open, Standing::of);
+    let standing = signal
+        .holds
+        .map_or(Standing::Open, Standing::of)
+        .unless_explained(is_explained);
     html! {
         tr {
             th scope="row" { (foreign(&capitalised(signal_words(&signal.name)))) " " code { (foreign(&signal.name)) } }

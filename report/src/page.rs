@@ -62,7 +62,7 @@ fn summary(contents: &Contents<'_>) -> Markup {
     markup! {
         div.summary {
             @for part in contents.models {
-                (statement("Model", &model::standing(part.comparison).badge(), &model_sentence(contents, part)))
+                (statement("Model", &model::standing(part).badge(), &model_sentence(contents, part)))
             }
             @if let Some(part) = &contents.diagnosis {
                 (statement("Diagnosis", &diagnosis::badge(part.diagnosis), &diagnosis::headline(part.diagnosis)))

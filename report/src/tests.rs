@@ -82,6 +82,7 @@ impl Bench {
             models: &[ModelPart {
                 log: &self.log,
                 comparison: &self.comparison,
+                is_explained: false,
             }],
             history: Some(HistoryPart {
                 steps: &[HistoryStep {
@@ -368,9 +369,27 @@ fn a_minute_of_log_and_a_run_make_less_than_a_megabyte_and_a_half() {
 
 #[test]
 fn the_verdict_is_the_one_of_the_comparison_and_open_where_it_is_unknown() {
-    let mut comparison = Bench::new().comparison;
-    let badge = |comparison: &Comparison| model::standing(comparison).badge().into_string();
+    let Bench {
+        log,
+        mut comparison,
+        ..
+    } = Bench::new();
+    let badge_if = |comparison: &Comparison, is_explained| {
+        let part = ModelPart {
+            log: &log,
+            comparison,
+            is_explained,
+        };
+        model::standing(&part).badge().into_string()
+    };
+    let badge = |comparison: &Comparison| badge_if(comparison, false);
     assert!(badge(&comparison).contains("fail"));
+    // Defect seen: a model whose error a diagnosis explains had a red mark.
+    let explained = badge_if(&comparison, true);
+    assert!(
+        explained.contains("explained") && !explained.contains("fail"),
+        "{explained}"
+    );
     assert!(model::headline(&comparison).starts_with("The model misses the chamber pressure by "));
     comparison.verdict.failing.clear();
     comparison.verdict.undecided = vec!["p_ch".to_owned()];
@@ -381,7 +400,7 @@ fn the_verdict_is_the_one_of_the_comparison_and_open_where_it_is_unknown() {
     assert!(badge(&comparison).contains("open"));
     comparison.verdict.undecided.clear();
     comparison.verdict.holds = true;
-    assert!(badge(&comparison).contains("✓ pass"));
+    assert!(badge_if(&comparison, true).contains("✓ pass"));
 }
 
 #[test]

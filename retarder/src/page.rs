@@ -204,12 +204,16 @@ fn page(page: &Page<'_>) -> String {
             rigs: &run.rigs,
         })
         .collect();
+    let is_explained = page
+        .diagnosis
+        .is_some_and(|diagnosed| diagnosed.diagnosis.explains());
     let models: Vec<ModelPart<'_>> = page
         .compared
         .iter()
         .map(|compared| ModelPart {
             log: &compared.log,
             comparison: &compared.comparison,
+            is_explained,
         })
         .collect();
     let runs = page.diagnosis.and_then(before_and_after);

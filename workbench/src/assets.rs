@@ -1,9 +1,12 @@
 //! Files of the page. All are part of the program; the path of a request is looked up in this list only.
 
+use std::collections::HashMap;
+use std::io::{self, Read as _};
 use std::sync::LazyLock;
 
 use axum::extract::Path;
-use axum::http::header::CONTENT_TYPE;
+use axum::http::HeaderMap;
+use axum::http::header::{ACCEPT_ENCODING, CONTENT_ENCODING, CONTENT_TYPE, VARY};
 use axum::response::{IntoResponse, Response};
 use plotly::Plot;
 
@@ -24,11 +27,15 @@ const MODULES: &[(&str, &str)] = modules![
     "main.js",
     "api.js",
     "chart.js",
+    "connection.js",
     "dom.js",
     "filter.js",
     "format.js",
+    "jobs.js",
     "menu.js",
     "next.js",
+    "side-tabs.js",
+    "terms.js",
     "theme.js",
     "time-view.js",
     "view.js",
@@ -39,6 +46,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/compare/limits.js",
     "pages/compare/look.js",
     "pages/compare/regimes.js",
+    "pages/compare/rows.js",
     "pages/compare/shifts.js",
     "pages/compare/statistics.js",
     "pages/calculated.js",
@@ -56,6 +64,7 @@ const MODULES: &[(&str, &str)] = modules![
     "pages/refine/estimation.js",
     "pages/refine/experiment.js",
     "pages/refine/plots.js",
+    "pages/refine/refitted.js",
     "pages/roles.js",
     "pages/work.js",
     "pages/compare.js",
@@ -82,10 +91,41 @@ pub(crate) async fn index() -> impl IntoResponse {
     ([(CONTENT_TYPE, HTML)], include_str!("web/index.html"))
 }
 
-/// Returns a script or the style sheet.
-pub(crate) async fn asset(Path(path): Path<String>) -> Result<Response, Refusal> {
+const STYLE: (&str, &str) = ("style.css", include_str!("web/style.css"));
+
+/// Modules and style sheet, compressed once with gzip. The charting library is not: its compression would take longer
+/// than its way to a browser on the same machine.
+static COMPRESSED: LazyLock<HashMap<&'static str, Vec<u8>>> = LazyLock::new(|| {
+    let files = MODULES.iter().chain([&STYLE]);
+    // A file that cannot be compressed is sent as it is.
+    files
+        .filter_map(|(name, text)| Some((*name, compressed(text).ok()?)))
+        .collect()
+});
+
+fn compressed(text: &str) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = flate2::read::GzEncoder::new(text.as_bytes(), flate2::Compression::best());
+    encoder.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Returns whether the client names gzip among the encodings that it reads.
+fn accepts_gzip(headers: &HeaderMap) -> bool {
+    let values = headers.get_all(ACCEPT_ENCODING).iter();
+    values
+        .filter_map(|value| value.to_str().ok())
+        .flat_map(|value| value.split(','))
+        .any(|encoding| encoding.trim() == "gzip")
+}
+
+/// Returns a script or the style sheet, compressed for a client that reads it.
+pub(crate) async fn asset(
+    Path(path): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Refusal> {
     let (kind, text): (_, &'static str) = match path.as_str() {
-        "style.css" => (CSS, include_str!("web/style.css")),
+        "style.css" => (CSS, STYLE.1),
         "plotly.js" => (JAVASCRIPT, PLOTLY.as_str()),
         _ => {
             let module = MODULES.iter().find(|(name, _)| *name == path);
@@ -93,7 +133,12 @@ pub(crate) async fn asset(Path(path): Path<String>) -> Result<Response, Refusal>
             (JAVASCRIPT, *text)
         }
     };
-    Ok(([(CONTENT_TYPE, kind)], text).into_response())
+    let kind = [(CONTENT_TYPE, kind), (VARY, "accept-encoding")];
+    let bytes = COMPRESSED.get(path.as_str());
+    Ok(match bytes.filter(|_| accepts_gzip(&headers)) {
+        Some(bytes) => (kind, [(CONTENT_ENCODING, "gzip")], bytes.as_slice()).into_response(),
+        None => (kind, text).into_response(),
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Jobs that take longer than a request: one at a time for each session, with progress events. A job ends with its
-//! page.
+//! Jobs that take longer than a request, with progress events. A session runs one of each [`Span`] at a time. A job ends
+//! with the client that listens to its events.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -34,6 +34,15 @@ pub(crate) enum Progress {
     Failed {
         problems: Vec<Problem>,
     },
+}
+
+/// Time for which a job runs at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Span {
+    /// Until its page is left: a comparison, a run of the loop, a report.
+    Page,
+    /// Until its tab closes: a diagnosis, a fit, a planned experiment.
+    Tab,
 }
 
 /// Running job.

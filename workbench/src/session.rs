@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cache::{Cache, Room, VALUES_MAX, values_of};
 use crate::calculated::{self, Calculated};
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::lock::lock;
 use crate::log_reader;
 use crate::log_summary::LogSummary;
@@ -58,7 +58,29 @@ pub(crate) struct Session {
     pub(crate) batch: Kept<Batch>,
     /// The last report, HTML.
     pub(crate) report: Kept<String>,
-    job: Mutex<Option<Arc<Job>>>,
+    jobs: Mutex<Jobs>,
+}
+
+/// Running jobs of a session: one that ends with its page, and one that runs on while other pages are shown.
+#[derive(Default)]
+struct Jobs {
+    of_page: Option<Arc<Job>>,
+    of_tab: Option<Arc<Job>>,
+}
+
+impl Jobs {
+    fn place(&mut self, span: Span) -> &mut Option<Arc<Job>> {
+        match span {
+            Span::Page => &mut self.of_page,
+            Span::Tab => &mut self.of_tab,
+        }
+    }
+
+    fn cancel(&mut self, span: Span) {
+        if let Some(job) = self.place(span).take() {
+            job.cancel();
+        }
+    }
 }
 
 /// Result that is kept until the next one.
@@ -167,7 +189,7 @@ impl Session {
             controlled: Kept::default(),
             batch: Kept::default(),
             report: Kept::default(),
-            job: Mutex::default(),
+            jobs: Mutex::default(),
             store,
         }
     }
@@ -273,9 +295,10 @@ impl Session {
         numbers.iter().map(recording).collect()
     }
 
-    /// Drops all comparisons after a change of the plant or the limits.
+    /// Drops all comparisons after a change of the plant or the limits. A diagnosis or a fit runs on: it has its own copy
+    /// of the plant, and its result says so.
     pub(crate) fn forget_comparisons(&self) {
-        self.cancel();
+        lock(&self.jobs).cancel(Span::Page);
         self.clear_comparisons();
     }
 
@@ -293,26 +316,28 @@ impl Session {
         self.comparisons.put(log, values, Arc::new(compared));
     }
 
-    /// Returns the job of this number, if it is the last one.
+    /// Returns the job of this number, if it is the last one of its span.
     pub(crate) fn job(&self, number: u64) -> Option<Arc<Job>> {
-        let job = lock(&self.job);
-        job.as_ref()
-            .filter(|job| job.number == number)
+        let jobs = lock(&self.jobs);
+        [&jobs.of_page, &jobs.of_tab]
+            .into_iter()
+            .flatten()
+            .find(|job| job.number == number)
             .map(Arc::clone)
     }
 
-    /// Sets `job` as the job of this session; a running one ends.
-    pub(crate) fn begin(&self, job: Arc<Job>) {
-        if let Some(before) = lock(&self.job).replace(job) {
-            before.cancel();
-        }
+    /// Sets `job` as the job of this session; a running one of the same span ends.
+    pub(crate) fn begin(&self, span: Span, job: Arc<Job>) {
+        let mut jobs = lock(&self.jobs);
+        jobs.cancel(span);
+        *jobs.place(span) = Some(job);
     }
 
-    /// Ends the running job.
+    /// Ends the running jobs.
     pub(crate) fn cancel(&self) {
-        if let Some(job) = lock(&self.job).take() {
-            job.cancel();
-        }
+        let mut jobs = lock(&self.jobs);
+        jobs.cancel(Span::Page);
+        jobs.cancel(Span::Tab);
     }
 }
 

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::experiment_limits::RequestedLimits;
 use super::{Begun, Shared, begin_job, session};
 use crate::effects::{self, EffectView};
+use crate::job::Span;
 use crate::refusal::Refusal;
 use crate::results::{Chosen, Diagnosed};
 use crate::session::{Session, Sessions};
@@ -38,7 +39,7 @@ async fn list_effects(
     Ok(Json(effects::all(&plant)))
 }
 
-/// Begins a diagnosis; a running job of the same tab ends.
+/// Begins a diagnosis; a running diagnosis or fit of the same tab ends.
 async fn begin(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -48,7 +49,7 @@ async fn begin(
     chosen.check(&session.project())?;
     let plant = session.project().plant;
     let parameters = plant.parameters()?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let logs = session.recordings(&chosen.logs)?;
         let check = session.recordings(&chosen.check)?;
         let diagnosis = diagnose(&parameters, &logs, &check, &|seen| job.watch(seen))?;
@@ -146,7 +147,7 @@ async fn plan(
             "no effect is selected; select one to detect, or two or more to distinguish",
         ));
     }
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let logs = session.recordings(&found.chosen.logs)?;
         let ids: Vec<&str> = request.effects.iter().map(String::as_str).collect();
         let question = match ids[..] {

@@ -20,7 +20,7 @@ use axum::{Json, Router};
 use futures_util::Stream;
 use serde::Serialize;
 
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::names::ProjectId;
 use crate::refusal::Refusal;
 use crate::session::{Opening, Session, Sessions};
@@ -72,16 +72,17 @@ pub(crate) struct Begun {
     job: u64,
 }
 
-/// Begins a job of a session, with progress for its page; a running job of the same tab ends.
+/// Begins a job of a session, with progress for its page; a running job of the same span ends.
 pub(crate) fn begin_job(
     session: &Arc<Session>,
+    span: Span,
     work: impl FnOnce(&Session, &Job) -> Result<(), Refusal> + Send + 'static,
 ) -> Json<Begun> {
     let worker = Arc::clone(session);
     let store = Arc::clone(&session.store);
     let job = Job::start(move || store.take_place(), move |job| work(&worker, job));
     let number = job.number;
-    session.begin(job);
+    session.begin(span, job);
     Json(Begun { job: number })
 }
 

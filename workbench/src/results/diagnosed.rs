@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use model_lab::diagnosis::Diagnosis;
 use model_lab::diagnosis::next_experiment::{DeterminingExperiment, NextExperiment};
-use model_lab::diagnosis::result::Verdict;
 use serde::{Deserialize, Serialize};
 
 use crate::plant_file::PlantFile;
@@ -24,9 +23,6 @@ impl Diagnosed {
     /// is the diagnosed one, or has each named effect with values in the fitted intervals.
     pub(crate) fn explains(&self, project: &Project) -> bool {
         let diagnosis = &self.diagnosis;
-        let is_whole = matches!(diagnosis.verdict, Verdict::Found | Verdict::Adequate)
-            && !diagnosis.unexplained
-            && !diagnosis.adds_up;
         let history = &project.history;
         let is_ancestor = || {
             let mut steps = history.steps().iter();
@@ -36,7 +32,7 @@ impl Diagnosed {
             let mut effects = history.now().effects.iter();
             effects.any(|effect| effect.effect == *id && effect.is_as_fitted())
         };
-        is_whole
+        diagnosis.explains()
             && (self.plant == project.plant || is_ancestor() && diagnosis.effects.iter().all(has))
     }
 }

@@ -69,6 +69,7 @@ pub(crate) fn routes(tabs: Arc<Tabs>) -> Router {
         .route("/examples", get(list_examples))
         .route("/sessions", post(open))
         .route("/sessions/{session}/close", post(close))
+        .route("/sessions/{session}/presence", get(presence))
         .route("/sessions/{session}/{*rest}", any(hand_on))
         .layer(DefaultBodyLimit::max(JSON_BYTES_MAX as usize))
         .layer(other)
@@ -123,6 +124,11 @@ async fn open(
 async fn close(State(tabs): State<Arc<Tabs>>, Path(id): Path<String>) -> Result<(), Refusal> {
     tabs.close(&session_id(id)?);
     Ok(())
+}
+
+/// Returns whether a tab is open, without a request to its process.
+async fn presence(State(tabs): State<Arc<Tabs>>, Path(id): Path<String>) -> Result<(), Refusal> {
+    tabs.get(&session_id(id)?).map(drop)
 }
 
 fn session_id(id: String) -> Result<ProjectId, Refusal> {

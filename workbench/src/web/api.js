@@ -1,15 +1,27 @@
 // Requests to the server. A refusal has a list of problems, each with a code and, if known, a line.
 
+/** Status of an answer to a browser without the cookie of this start of the server. */
+export const UNAUTHORISED = 401;
+
 /** Refused request, with the reasons. */
 export class Refusal extends Error {
   constructor(status, problems) {
     super(problems.map((problem) => problem.message).join("\n"));
     this.status = status;
     this.problems = problems;
+    /** Whether the connection is lost, which the notice below the header says. */
+    this.isLost = status === 0 || status === UNAUTHORISED;
   }
 }
 
 let session = null;
+
+/** Calls this when the server does not answer (`E-PAGE-SERVER`) or does not know this browser. */
+let onLost = () => {};
+
+export function whenLost(act) {
+  onLost = act;
+}
 
 async function request(method, path, body, signal) {
   const options = { method, signal, headers: {} };
@@ -23,12 +35,14 @@ async function request(method, path, body, signal) {
     response = await fetch(`/api${path}`, options);
   } catch (error) {
     if (error.name === "AbortError") throw error;
+    onLost("gone");
     throw new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer; start `retarder serve` again" }]);
   }
   const text = await response.text();
   const isJson = (response.headers.get("content-type") ?? "").startsWith("application/json");
   const value = isJson ? JSON.parse(text) : text;
   if (response.ok) return value;
+  if (response.status === UNAUTHORISED) onLost("restarted");
   throw new Refusal(response.status, value.problems ?? [{ code: `HTTP ${response.status}`, message: text }]);
 }
 
@@ -37,6 +51,25 @@ export async function open(project) {
   const opened = await request("POST", "/sessions", { project });
   session = opened.session;
   return opened;
+}
+
+/** Requests the cookie of a server that was started again; returns whether `token` is the one of its address. */
+export async function exchange(token) {
+  const response = await fetch(`/?${new URLSearchParams({ token })}`);
+  return response.ok;
+}
+
+/** Asks whether the server and the session are there: "there", "closed", "restarted" or "gone". */
+export async function presence() {
+  const asked = session;
+  try {
+    const { ok, status } = await fetch(`/api${inSession("/presence")}`);
+    // The tab may have opened another project since.
+    if (ok || asked !== session) return "there";
+    return status === UNAUTHORISED ? "restarted" : "closed";
+  } catch {
+    return "gone";
+  }
 }
 
 /** Ends the session's work when the page closes. */

@@ -83,7 +83,8 @@ export function forgetProblems() {
   for (const message of document.querySelectorAll("#messages .problem")) message.remove();
 }
 
-/** Shows all problems of a refusal. */
+/** Shows all problems of a refusal, except that of a lost connection, which has its own notice. */
 export function showProblems(refusal, what) {
+  if (refusal.isLost) return;
   for (const problem of refusal.problems ?? [{ message: String(refusal) }]) showMessage(`${what}: ${problem.message}`, "problem");
 }

@@ -34,6 +34,19 @@ export function duration(seconds) {
   return `${number(seconds / 60, 4)} min`;
 }
 
+/** Formats the rate of samples at this interval; empty if it is not known. */
+export function rate(interval) {
+  if (!interval) return "";
+  return interval > 1e-3 ? `${number(1 / interval, 3)} Hz` : `${number(1e-3 / interval, 3)} kHz`;
+}
+
+/** Returns the rate of each signal of a log by name; empty if all signals have the same. */
+export function ratesOf(summary) {
+  const { signals, sample_interval_s: usual } = summary;
+  if (!signals.some((signal) => signal.own_interval_s)) return new Map();
+  return new Map(signals.map((signal) => [signal.name, rate(signal.own_interval_s ?? usual)]));
+}
+
 /** Returns the name of a file, without extension, from its parts: log, plant, signals. */
 export function fileName(...parts) {
   const words = (part) => Array.isArray(part) && part.length > SIGNALS_MAX ? `${part.length} signals` : [part].flat().join(" ");

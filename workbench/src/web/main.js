@@ -1,7 +1,9 @@
 // Opens the session, shows the page given in the address, and closes the session when the page closes.
 
 import * as api from "./api.js";
+import * as connection from "./connection.js";
 import { element, fill, forgetProblems, showMessage } from "./dom.js";
+import { showInterrupted } from "./jobs.js";
 import * as theme from "./theme.js";
 import * as view from "./view.js";
 import * as logs from "./pages/logs.js";
@@ -10,14 +12,18 @@ import * as diagnose from "./pages/diagnose.js";
 import * as refine from "./pages/refine.js";
 import * as control from "./pages/control.js";
 import * as report from "./pages/report.js";
-import { showInterrupted } from "./pages/work.js";
 
-/** Pages by name. A page has a title and `show(place)`, which returns its handlers `leave` and `redraw`. */
+/**
+ * Pages by name. A page has a `title`, `load`, which requests its data, and `show(place, data)`, which returns its
+ * handlers `begin`, `leave` and `redraw`. `begin` does the rest; it returns false if it failed.
+ */
 const PAGES = { logs, compare, diagnose, refine, control, report };
 const KEY = "project";
 
 const place = document.getElementById("page");
 let shown = null;
+/** Number of pages shown so far: what an earlier one has requested is not shown any more. */
+let turns = 0;
 
 function tabs() {
   fill(document.getElementById("tabs"), Object.entries(PAGES).map(([name, page]) => element("a", {
@@ -28,10 +34,11 @@ function tabs() {
 }
 
 async function show() {
+  const turn = ++turns;
   try {
-    await showPage();
+    await showPage(() => turn === turns);
   } catch (error) {
-    showError(error);
+    if (turn === turns) showError(error);
   }
 }
 
@@ -40,41 +47,65 @@ function showError(error) {
   fill(place, element("p", { class: "message problem" }, String(error.message ?? error)));
 }
 
-async function showPage() {
+async function showPage(isCurrent) {
   forgetProblems();
   const wanted = view.text("project");
   shown?.leave?.();
+  shown = null;
+  delete document.body.dataset.ready;
   if (wanted && wanted !== sessionStorage.getItem(KEY)) {
     api.close();
     await begin();
   }
-  const page = Object.hasOwn(PAGES, view.page()) ? PAGES[view.page()] : logs;
+  const name = Object.hasOwn(PAGES, view.page()) ? view.page() : "logs";
+  const page = PAGES[name];
   tabs();
   document.title = `${page.title} – Retarder workbench`;
-  delete document.body.dataset.ready;
-  fill(place);
-  shown = await page.show(place);
+  // Each has a place of its own: what a page that was left still fills is not seen.
+  const own = element("div", { class: "page" });
+  fill(place, own);
+  const data = await page.load();
+  if (!isCurrent()) return;
+  shown = page.show(own, data);
+  const isReady = await shown.begin?.();
+  if (isCurrent()) document.body.dataset.ready = isReady === false ? "failed" : name;
 }
 
 async function begin() {
+  view.forget();
   const { session: project, is_copy: isCopy } = await api.open(view.text("project") ?? sessionStorage.getItem(KEY));
   sessionStorage.setItem(KEY, project);
   view.set({ project });
   if (isCopy) showMessage("This tab works on a copy of the project that was open last. Other tabs do not change.", "lasting");
 }
 
+/** Opens the project again, and shows the same view, after the server was started again. */
+async function restore() {
+  try {
+    await begin();
+  } catch (error) {
+    showError(error);
+    return;
+  }
+  await show();
+}
+
 document.getElementById("link").addEventListener("click", async () => {
   await navigator.clipboard.writeText(view.link());
   showMessage("Link copied. It works in a browser that has opened the address printed by `retarder serve`.");
 });
+// Pages that fill the window need the height of the header, which grows by a notice.
+const header = document.querySelector(".top");
+new ResizeObserver(() => document.documentElement.style.setProperty("--header", `${header.offsetHeight}px`)).observe(header);
 theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
 addEventListener("pagehide", () => api.close());
 addEventListener("pageshow", (event) => { if (event.persisted) location.reload(); });
 view.begin(show);
 try {
   await begin();
+  connection.watch(restore);
   showInterrupted();
-  await showPage();
+  await show();
 } catch (error) {
   showError(error);
 }

@@ -6,8 +6,8 @@ import { menu } from "./menu.js";
 import { colour } from "./theme.js";
 import * as view from "./view.js";
 
-const MARGIN = { l: 64, r: 14, t: 28, b: 44 };
-const GAP = 29;
+/** Margins (px) around the plots, and the gap between two. */
+const FRAME = { margin: { l: 64, r: 14, t: 28, b: 44 }, gap: 29 };
 /** Names of the roles in a legend. */
 export const NAMES = {
   measured: "measured", model: "modelled", residual: "measured − modelled", fill: "fill valve", vent: "vent valve", tolerance: "tolerance",
@@ -22,8 +22,9 @@ const REST = 120;
  */
 export class TimeView {
   /** Creates a view; `keys` describes the additional keys of a subclass. */
-  constructor(id, keys = "") {
+  constructor(id, keys = "", frame = FRAME) {
     this.traces = null;
+    this.frame = frame;
     this.chart = element("div", { class: "chart", id, tabIndex: 0, role: "application", "aria-label": `Traces over time. Plus and minus zoom, arrows pan, Home shows all${keys}.` });
     this.pointer = element("div", { class: "pointer", hidden: true });
     this.over = element("div", { class: "over" }, this.chart, this.pointer);
@@ -32,14 +33,14 @@ export class TimeView {
   }
 
   /** Creates the row above the plots. */
-  tools(title, whole, exports) {
+  tools(title, whole, exports, menus = []) {
     return element("div", { class: "row tools" }, element("h2", {}, title), element("span", { class: "space" }),
       button("−", () => this.zoom(2), { title: "Zoom out (−)", "aria-label": "Zoom out" }),
       button("+", () => this.zoom(0.5), { title: "Zoom in (+)", "aria-label": "Zoom in" }),
       button("◀", () => this.move(-0.25), { title: "Earlier (←)", "aria-label": "Earlier" }),
       button("▶", () => this.move(0.25), { title: "Later (→)", "aria-label": "Later" }),
       button(whole, () => this.look(null, null), { title: "Home", id: "whole" }),
-      menu("Export", exports, { id: "export" }));
+      menus, menu("Export", exports, { id: "export" }));
   }
 
   leave() {
@@ -113,21 +114,23 @@ export class TimeView {
   /**
    * Draws the panels from top to bottom. Each has a `height` (px), a `title`, the colour role of its `ink`, and `draw`.
    * `draw` gets the name of its axis and returns its `traces`, the `range` of its axis, and optionally `ticks` and
-   * `shapes`.
+   * `shapes`. Returns the drawn heights (px).
    */
   async drawStack(panels, { title, shapes = [], annotations = [] }) {
-    const plotted = panels.reduce((sum, panel) => sum + panel.height, 0) + GAP * Math.max(0, panels.length - 1);
+    const { margin, gap } = this.frame;
+    const heights = this.heights(panels);
+    const plotted = heights.reduce((sum, height) => sum + height, 0) + gap * Math.max(0, panels.length - 1);
     const { from, to } = this.range();
     const plotLayout = layout({
-      height: plotted + MARGIN.t + MARGIN.b, margin: MARGIN, hovermode: false, annotations: [], shapes: [],
+      height: plotted + margin.t + margin.b, margin, hovermode: false, annotations: [], shapes: [],
       xaxis: axis({ range: [from, to], title: { text: title, standoff: 6 }, anchor: "free", position: 0, domain: [0, 1] }),
     });
     const traces = [];
     let above = 0;
     panels.forEach((panel, index) => {
       const number = index === 0 ? "" : index + 1;
-      const domain = [1 - (above + panel.height) / plotted, 1 - above / plotted].map((share) => Math.max(0, Math.min(1, share)));
-      above += panel.height + GAP;
+      const domain = [1 - (above + heights[index]) / plotted, 1 - above / plotted].map((share) => Math.max(0, Math.min(1, share)));
+      above += heights[index] + gap;
       const drawn = panel.draw(`y${number}`);
       traces.push(...drawn.traces);
       plotLayout.shapes.push(...drawn.shapes ?? []);
@@ -138,6 +141,12 @@ export class TimeView {
     plotLayout.annotations.push(...annotations);
     await draw(this.chart, traces, plotLayout);
     this.watchLibrary();
+    return heights;
+  }
+
+  /** Returns the heights (px) of the panels. */
+  heights(panels) {
+    return panels.map((panel) => panel.height);
   }
 
   /** Returns a trace as a line; its name is that of its role. */
@@ -176,7 +185,8 @@ export class TimeView {
   /** Returns the time under a pointer; null outside the plots. */
   timeAt(event) {
     const { left, width } = this.chart.getBoundingClientRect();
-    const share = (event.clientX - left - MARGIN.l) / (width - MARGIN.l - MARGIN.r);
+    const { l, r } = this.frame.margin;
+    const share = (event.clientX - left - l) / (width - l - r);
     const { from, to } = this.range();
     return share >= 0 && share <= 1 ? { time: from + share * (to - from), share } : null;
   }
@@ -184,7 +194,8 @@ export class TimeView {
   /** Returns the time between two positions of the pointer (px). */
   timeBetween(from, to) {
     const visible = this.range();
-    return (to - from) * (visible.to - visible.from) / (this.chart.getBoundingClientRect().width - MARGIN.l - MARGIN.r);
+    const { l, r } = this.frame.margin;
+    return (to - from) * (visible.to - visible.from) / (this.chart.getBoundingClientRect().width - l - r);
   }
 
   /** Handles the pointer at a time, or outside the plots (null). */

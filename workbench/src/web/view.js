@@ -1,6 +1,9 @@
-// Displayed state, stored in the address after `#`, so that a link reproduces the view.
+// Displayed state, stored in the address after `#`, so that a link reproduces the view. A change of page or log is an
+// entry of the browser's history; a change of zoom is not.
 
 const state = { page: "logs", parameters: new URLSearchParams() };
+/** Parameters of each page as it was left. */
+const left = new Map();
 let listen = () => {};
 
 function read() {
@@ -9,16 +12,31 @@ function read() {
   state.parameters = new URLSearchParams(query ?? "");
 }
 
-function write() {
+function address() {
   const query = state.parameters.toString();
-  history.replaceState(null, "", `#/${state.page}${query ? `?${query}` : ""}`);
+  return `#/${state.page}${query ? `?${query}` : ""}`;
 }
 
-/** Reads the address, and calls `onMove` whenever the user changes it. */
+/** Changes parameters; null or an empty list removes one. */
+function change(changes) {
+  for (const [name, value] of Object.entries(changes)) {
+    state.parameters.delete(name);
+    for (const one of [value].flat()) {
+      if (one === null || one === undefined || one === "") continue;
+      state.parameters.append(name, typeof one === "number" ? String(+one.toPrecision(12)) : one);
+    }
+  }
+}
+
+/** Reads the address, and calls `onMove` whenever the user goes to another page, also by Back and Forward. */
 export function begin(onMove) {
   listen = onMove;
   read();
-  addEventListener("hashchange", () => { read(); listen(); });
+  addEventListener("popstate", () => { keep(); read(); listen(); });
+}
+
+function keep() {
+  left.set(state.page, state.parameters);
 }
 
 export const page = () => state.page;
@@ -35,25 +53,28 @@ export function numberOf(name) {
   return Number.isFinite(value) ? value : null;
 }
 
-/** Changes the view; null or an empty list removes a parameter. */
+/** Changes the view of this page; null or an empty list removes a parameter. */
 export function set(changes) {
-  for (const [name, value] of Object.entries(changes)) {
-    state.parameters.delete(name);
-    for (const one of [value].flat()) {
-      if (one === null || one === undefined || one === "") continue;
-      state.parameters.append(name, typeof one === "number" ? String(+one.toPrecision(12)) : one);
-    }
-  }
-  write();
+  change(changes);
+  history.replaceState(null, "", address());
 }
 
-/** Opens another page of the same project. */
+/** Opens another page of the same project, as it was left if that view has all of `changes`. */
 export function go(page, changes = {}) {
+  keep();
   const project = state.parameters.get("project");
+  const before = left.get(page);
+  const isSame = before && Object.entries(changes).every(([name, value]) => before.get(name) === String(value));
   state.page = page;
-  state.parameters = new URLSearchParams(project ? { project } : {});
-  set(changes);
+  state.parameters = new URLSearchParams(isSame ? before : project ? { project } : {});
+  change(changes);
+  history.pushState(null, "", address());
   listen();
+}
+
+/** Forgets the views of all pages, for another project or other logs. */
+export function forget() {
+  left.clear();
 }
 
 /** Returns the address of the view, without secrets. */

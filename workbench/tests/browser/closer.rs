@@ -34,7 +34,7 @@ fn a_residual_is_seen_as_distribution_and_spectrum_between_states_and_tolerances
         // The states of the valves are part of the link.
         let shapes = "document.getElementById('time-plots').layout.shapes.filter((shape) => shape.type === 'path').length";
         assert_eq!(person.run(&format!("return {shapes}")).await, 0);
-        person.click("[data-states]").await;
+        person.click_in_menu("signals", "[data-states]").await;
         person.until(&format!("{shapes} >= 2")).await;
         let link = person.client.current_url().await.unwrap().to_string();
         assert!(link.contains("states=shown"), "{link}");
@@ -108,7 +108,7 @@ fn a_long_list_of_signals_is_filtered() {
         person
             .run_with(type_into, typed("[aria-label='filter signals']", "P_CH"))
             .await;
-        person.click("#show-found").await;
+        person.click_in_menu("signals", "#show-found").await;
         person
             .until("document.getElementById('time-plots').layout.annotations.filter((one) => one.xref === 'paper').length <= 2")
             .await;
@@ -132,7 +132,9 @@ fn a_link_hides_the_same_signals_whatever_they_are_called() {
             .await;
         let shown = "return [...document.querySelectorAll('[data-signal]')].filter((one) => one.checked).map((one) => one.dataset.signal)";
         for name in ["a,b", "100%2C&c=1"] {
-            person.click(&format!("[data-signal='{name}']")).await;
+            person
+                .click_in_menu("signals", &format!("[data-signal='{name}']"))
+                .await;
         }
         assert_eq!(person.run(shown).await, json!(["b", "p_ch"]));
         let link = person.client.current_url().await.unwrap().to_string();

@@ -187,15 +187,55 @@ fn a_log_without_header_is_explained_in_the_form_and_read() {
             .run(
                 "const rows = document.querySelectorAll('.form tbody tr'); \
                  const say = (row, role, name, unit) => { \
-                   const [select, nameField, unitField] = row.querySelectorAll('select, input'); \
+                   const [select, signal, unitField] = ['use', 'signal', 'unit'].map((label) => row.querySelector(`[aria-label^='${label} of']`)); \
                    select.value = role; select.dispatchEvent(new Event('change')); \
-                   nameField.value = name; unitField.value = unit; }; \
-                 say(rows[0], 'time', '', 's'); say(rows[1], 'signal', 'p_ch', 'bar_gauge');",
+                   signal.value = name; unitField.value = unit; unitField.dispatchEvent(new Event('input')); }; \
+                 say(rows[0], 'time', '', 's'); say(rows[1], 'signal', 'p_ch', 'bar');",
             )
             .await;
+        // What is missing is said beside the row, and two buttons answer it.
+        person.click(".apply-mapping").await;
+        let note = "document.querySelectorAll('.form tbody tr')[1].cells[4].textContent";
+        person
+            .until(&format!("{note}.startsWith('Gauge or absolute?')"))
+            .await;
+        let needed = person.text(".needed").await;
+        assert!(
+            needed.contains("duty_fill") && needed.contains("p_ch"),
+            "{needed}"
+        );
+        person.picture("mapping-problem").await;
+        person.click(".form .reference").await;
         person.click(".apply-mapping").await;
         assert_pressure_is_read(person).await;
         person.assert_nothing_was_refused().await;
+    });
+}
+
+/// Defect seen: the form for columns opened for a file in which no column can be mapped.
+#[test]
+fn no_mapping_is_proposed_for_an_empty_or_a_truncated_file() {
+    with_browser(async |person| {
+        let cut = "time_s,p_ch_bar_gauge,i_fill_mA\n0.00,1.50,2.5\n0.01,1.50,2.5\n0.02,1.5";
+        person
+            .drop_files(&[("empty.csv", ""), ("cut.csv", cut)])
+            .await;
+        person
+            .until("document.querySelectorAll('.log.wrong .problem').length === 2 && document.querySelector('.inspection')")
+            .await;
+        assert_eq!(
+            person
+                .run("return document.querySelectorAll('.mapping').length")
+                .await,
+            json!(0)
+        );
+        let next = person.text(".next").await;
+        assert!(next.contains("open a complete log"), "{next}");
+        person.picture("beyond-mapping").await;
+        let said = person.text("[data-name='cut.csv'] .problem").await;
+        assert!(said.contains("E-CSV-TRUNCATED"), "{said}");
+        let all = person.text("[data-name='cut.csv'] .others").await;
+        assert!(all.contains("line 4 has 2 fields"), "{all}");
     });
 }
 
@@ -236,7 +276,7 @@ fn other_logs_lie_beside_and_are_brought_onto_this_one() {
         let traces = person
             .run("return document.getElementById('time-plots').data.length")
             .await;
-        person.click("[data-overlay='2']").await;
+        person.click_in_menu("signals", "[data-overlay='2']").await;
         person
             .until(&format!(
                 "document.getElementById('time-plots').data.length > {traces}"

@@ -3,6 +3,7 @@
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use fantoccini::actions::{InputSource, MOUSE_BUTTON_LEFT, MouseActions, PointerAction};
@@ -10,7 +11,7 @@ use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use workbench::{Options, Server, Stopper, Worker};
+use workbench::{Options, ServeError, Server, Stopper, Worker};
 
 /// Longest wait for the page: the machine may be busy.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -20,8 +21,9 @@ pub(crate) struct Person {
     pub(crate) client: Client,
     pub(crate) address: String,
     _driver: DriverProcess,
-    server: Running,
-    _folders: [TempDir; 2],
+    server: Mutex<Running>,
+    /// Project folder, and profile of the browser.
+    folders: [TempDir; 2],
 }
 
 /// Returns the program of a tab's process.
@@ -45,6 +47,22 @@ impl Drop for DriverProcess {
 
 struct Running(Stopper);
 
+impl Running {
+    fn start(server: Server) -> Self {
+        let running = Self(server.stopper());
+        std::thread::spawn(move || server.run());
+        running
+    }
+}
+
+fn bind(project: &TempDir, port: u16) -> Result<Server, ServeError> {
+    Server::bind(&Options {
+        project: project.path().to_path_buf(),
+        port: Some(port),
+        worker: worker(),
+    })
+}
+
 impl Drop for Running {
     fn drop(&mut self) {
         self.0.stop();
@@ -67,15 +85,9 @@ pub(crate) fn with_browser(test: impl AsyncFnOnce(&Person)) {
 impl Person {
     async fn sit_down() -> Self {
         let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-        let server = Server::bind(&Options {
-            project: folders[0].path().to_path_buf(),
-            port: Some(0),
-            worker: worker(),
-        })
-        .unwrap();
+        let server = bind(&folders[0], 0).unwrap();
         let address = server.address();
-        let running = Running(server.stopper());
-        std::thread::spawn(move || server.run());
+        let running = Running::start(server);
         let port = TcpListener::bind(("127.0.0.1", 0))
             .unwrap()
             .local_addr()
@@ -95,8 +107,8 @@ impl Person {
             client,
             address,
             _driver: driver,
-            server: running,
-            _folders: folders,
+            server: Mutex::new(running),
+            folders,
         };
         person.client.set_window_size(1280, 1000).await.unwrap();
         person.client.goto(&person.address).await.unwrap();
@@ -154,6 +166,14 @@ impl Person {
             .unwrap_or_else(|error| panic!("{selector}: {error}"));
     }
 
+    /// Opens a pop-up, clicks into it, and closes it.
+    pub(crate) async fn click_in_menu(&self, menu: &str, selector: &str) {
+        let button = format!("#{menu} > summary");
+        self.click(&button).await;
+        self.click(selector).await;
+        self.click(&button).await;
+    }
+
     /// Clicks twice on the same place, as some users always do.
     pub(crate) async fn double_click(&self, selector: &str) {
         let element = self.client.find(Locator::Css(selector)).await.unwrap();
@@ -184,7 +204,30 @@ impl Person {
 
     /// Ends the server of the page.
     pub(crate) fn stop_the_server(&self) {
-        self.server.0.stop();
+        self.server.lock().unwrap().0.stop();
+    }
+
+    /// Starts another server on the port and the folder of one that was ended; returns its address.
+    pub(crate) async fn start_another_server(&self) -> String {
+        let (_, port) = self
+            .address
+            .rsplit_once("/?")
+            .unwrap()
+            .0
+            .rsplit_once(':')
+            .unwrap();
+        let begin = Instant::now();
+        let server = loop {
+            match bind(&self.folders[0], port.parse().unwrap()) {
+                Ok(server) => break server,
+                Err(error) if begin.elapsed() > PATIENCE => panic!("{error}"),
+                // The port is free as soon as the other server has ended.
+                Err(_) => tokio::time::sleep(Duration::from_millis(20)).await,
+            }
+        };
+        let address = server.address();
+        *self.server.lock().unwrap() = Running::start(server);
+        address
     }
 
     pub(crate) async fn text(&self, selector: &str) -> String {

@@ -70,7 +70,10 @@ fn every_signal_is_drawn_and_compared_at_its_own_instants() {
             let signals = format!(
                 "[...document.querySelectorAll('.log')[{log}].querySelectorAll('.signals li')]"
             );
-            person.until(&format!("{signals}.some((one) => one.textContent.includes('p_ch') && one.textContent.includes('every 20.0 ms'))")).await;
+            person.until(&format!("{signals}.some((one) => one.textContent.includes('p_ch') && one.textContent.includes('50.0 Hz'))")).await;
+            person
+                .until(&format!("{signals}.filter((one) => one.textContent.includes('100 Hz')).length === {signals}.length - 1"))
+                .await;
             person
                 .until(&format!(
                     "!{signals}.some((one) => one.textContent.includes('missing'))"
@@ -84,6 +87,14 @@ fn every_signal_is_drawn_and_compared_at_its_own_instants() {
                 .until("document.querySelectorAll('.log').length === 2")
                 .await;
             person.compare(log).await;
+            let titles = "return document.getElementById('time-plots').layout.annotations.map((one) => one.text).join()";
+            let titles = person.run(titles).await;
+            let titles = titles.as_str().unwrap();
+            assert!(
+                titles.contains("p_ch [bar gauge], 50.0 Hz")
+                    && titles.contains("i_fill [mA], 100 Hz"),
+                "{titles}"
+            );
             let verdict = person.text("#verdict").await;
             assert!(
                 verdict.contains("unexplained") && verdict.contains("p_ch"),

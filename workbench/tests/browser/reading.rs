@@ -27,14 +27,16 @@ fn the_legend_lists_what_is_drawn_and_bars_share_a_zero() {
             assert!(all.contains(part), "{part}: {all}");
         }
         assert!(!all.contains("tolerance"), "no band is set: {all}");
-        person.click("[data-overlay='2']").await;
+        person.click_in_menu("signals", "[data-overlay='2']").await;
         person
             .until(
                 "document.getElementById('legend').textContent.includes('practice-01-check.csv')",
             )
             .await;
         for signal in ["p_ch", "i_fill", "i_vent"] {
-            person.click(&format!("[data-signal='{signal}']")).await;
+            person
+                .click_in_menu("signals", &format!("[data-signal='{signal}']"))
+                .await;
         }
         person
             .until("!document.getElementById('legend').textContent.includes('modelled')")
@@ -66,6 +68,43 @@ fn short_times_are_in_milliseconds() {
         assert_eq!(
             shown,
             json!(["0.0500 ms", "0.250 ms", "10.0 ms", "60.00 s"])
+        );
+    });
+}
+
+/// Goal: less than 150 kB without the charting library, headers and answers to requests included.
+#[test]
+fn the_page_without_its_charting_library_is_light() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        let sent = "return ['navigation', 'resource'].flatMap((type) => performance.getEntriesByType(type)) \
+                    .filter((one) => !one.name.endsWith('/plotly.js')).reduce((sum, one) => sum + one.transferSize, 0)";
+        let sent = person.run(sent).await.as_u64().unwrap();
+        println!("{sent} bytes without the charting library");
+        assert!((10_000..150_000).contains(&sent), "{sent} bytes");
+    });
+}
+
+/// Every picture for the eyes has a name for a screen reader.
+#[test]
+fn every_chart_has_a_name_and_terms_have_their_meaning() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.compare("practice-01-id.csv").await;
+        let nameless = "[...document.querySelectorAll('.chart')].filter((chart) => !chart.getAttribute('aria-label') || !chart.getAttribute('role')).map((chart) => chart.id)";
+        let charts = "document.querySelectorAll('#time-plots, #error-map, #scatter, #fold, #distribution, #spectrum').length";
+        assert_eq!(person.run(&format!("return {nameless}")).await, json!([]));
+        assert_eq!(person.run(&format!("return {charts}")).await, json!(6));
+        let terms = "return [...new Set([...document.querySelectorAll('abbr')].filter((one) => one.title.length > 20).map((one) => one.textContent))].sort()";
+        assert_eq!(
+            person.run(terms).await,
+            json!(["noise floor", "of the excess"])
         );
     });
 }

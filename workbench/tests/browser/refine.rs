@@ -245,11 +245,38 @@ fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
         ] {
             assert!(table.contains(part), "{part}: {table}");
         }
-        let rungs = person.text("#error-steps").await;
+        person
+            .until("document.querySelector('#error-steps .rung:nth-of-type(2) h3')?.textContent === 'ordinary parameters refitted'")
+            .await;
+        // The axis is logarithmic: two errors in a ratio are as far apart anywhere.
+        let widths: Vec<(f64, f64)> = serde_json::from_value(person.run(
+            "return [...document.querySelectorAll('#error-steps .bar-row[data-times]')].map((row) => \
+             [Number(row.dataset.times), parseFloat(row.querySelector('.fill').style.width)]).filter(([times]) => times > 0.5)",
+        ).await).unwrap();
+        let (first, second) = (widths[0], widths[widths.len() - 1]);
+        let slope = (first.1 - second.1) / (first.0 / second.0).ln();
+        for (times, width) in &widths {
+            let expected = second.1 + slope * (times / second.0).ln();
+            assert!((width - expected).abs() < 0.1, "{widths:?}");
+        }
+
+        // One refitted value is switched back, and the error follows.
+        let last = last_bar(person).await;
+        let switch = "document.querySelector(\"[data-refitted='flow.discharge_fill']\").click()";
+        person.run(switch).await;
+        person
+            .until(&format!("Math.abs({LAST_BAR} - {last}) > 0.001 * {last}"))
+            .await;
+        let step = person.text("#steps [aria-current]").await;
         assert!(
-            rungs.contains("ordinary parameters refitted") && rungs.contains("values"),
-            "{rungs}"
+            step.contains("flow.discharge_fill") && step.contains("as opened"),
+            "{step}"
         );
+        person.picture("refitted").await;
+        person.click("#undo").await;
+        person
+            .until(&format!("Math.abs({LAST_BAR} - {last}) < 1e-9"))
+            .await;
         person.picture("estimate").await;
         person.picture_of("#estimated", "estimated").await;
         person.click("#plan-determining").await;

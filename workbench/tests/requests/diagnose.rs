@@ -1,5 +1,7 @@
 //! Page "Diagnose": from a log to the missing effect, and the end of jobs whose page has closed.
 
+use std::io::Read as _;
+
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Browser};
@@ -54,6 +56,11 @@ fn a_leak_is_diagnosed_shown_by_an_experiment_and_added_as_it_was_fitted() {
     let diagnosis = &view["diagnosis"];
     assert_eq!(diagnosis["verdict"], "found");
     assert_eq!(diagnosis["effects"], json!(["chamber_leak"]));
+    // Defect seen: the report marked the model as failed, although the diagnosis explains its error.
+    let written = browser.work(&session, &format!("{session}/report"), &json!({}));
+    assert_eq!(written.last().unwrap()["state"], "done");
+    let report = browser.get(&format!("{session}/report/file")).text();
+    assert!(report.contains("explained, above the limit") && !report.contains("✗ fail"));
     let file = browser.get(&format!("{session}/diagnosis/json"));
     assert!(
         file.header("content-disposition")
@@ -250,6 +257,28 @@ fn what_cannot_be_diagnosed_or_planned_is_refused_with_its_reason() {
         (&last["state"], &last["problems"][0]["code"]),
         (&json!("failed"), &json!("E-DIAGNOSE"))
     );
+}
+
+/// Defect seen: a comparison, which begins when its page is shown, ended the diagnosis of the same tab.
+#[test]
+fn a_comparison_or_another_plant_does_not_end_a_diagnosis() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = with_leaking_log(&browser, 10.0);
+    let begun = browser.post(
+        &format!("{session}/diagnose"),
+        &json!({"logs": [1], "check": []}),
+    );
+    let mut events = browser.follow(&session, begun.json()["job"].as_u64().unwrap());
+    assert_eq!(browser.compare(&session, 1)["state"], "done");
+    let plant = json!({"name": "other.toml", "toml": include_str!("../../../data/plants/practice-first-file.toml")});
+    assert_eq!(browser.put(&format!("{session}/plant"), &plant).status, 200);
+    let mut rest = String::new();
+    events.read_to_string(&mut rest).unwrap();
+    assert!(rest.contains(r#"{"state":"done"}"#), "{rest}");
+    let view = browser.get(&format!("{session}/diagnosis")).json();
+    assert_eq!(view["is_of_plant"], false);
+    assert_eq!(view["plant"], "nominal-plant.toml");
 }
 
 /// Rule 11: the diagnosis ends if the page is closed or stops listening.

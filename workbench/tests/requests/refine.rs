@@ -309,14 +309,7 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
         ]
     );
 
-    let changed = error_steps[1]["changed"].as_array().unwrap();
-    let discharge = changed
-        .iter()
-        .find(|one| one["name"] == "flow.discharge_fill");
-    assert!(
-        discharge.is_some_and(|one| one["before"].is_f64() && one["before"] != one["after"]),
-        "{changed:?}"
-    );
+    an_ordinary_parameter_is_switched_between_its_values(&browser, &session);
 
     let events = browser.work(&session, &format!("{session}/refine/fit"), &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
@@ -338,6 +331,39 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     }
     let opened = browser.get(&format!("{session}/refine?log=1")).json();
     assert_eq!(opened["estimation"], Value::Null);
+}
+
+/// Off, a parameter has its value as opened; on again, the one of the refit. Both switches are undone.
+fn an_ordinary_parameter_is_switched_between_its_values(browser: &Browser<'_>, session: &str) {
+    const NAME: &str = "flow.discharge_fill";
+    let of = |state: &Value| {
+        let refitted = state["refitted"].as_array().unwrap().iter();
+        let found = refitted.clone().find(|one| one["name"] == NAME);
+        found.unwrap().clone()
+    };
+    let switch =
+        |is_refitted: bool| json!({"ordinary": {"name": NAME, "is_refitted": is_refitted}});
+    let before = browser.get(&format!("{session}/refine?log=1")).json();
+    let plant_before = plant(browser, session);
+    let on = of(&before);
+    assert!(on["before"].is_f64() && on["before"] != on["after"], "{on}");
+    assert_eq!(on["is_refitted"], true);
+    let off = of(&change(browser, session, switch(false)));
+    assert_eq!(off["is_refitted"], false);
+    assert_eq!(
+        (&off["before"], &off["after"]),
+        (&on["before"], &on["after"])
+    );
+    assert_ne!(plant(browser, session), plant_before);
+    assert_eq!(of(&change(browser, session, switch(true))), on);
+    for _ in 0..2 {
+        change(browser, session, json!("undo"));
+    }
+    assert_eq!(plant(browser, session), plant_before);
+    let other =
+        json!({"log": 1, "change": {"ordinary": {"name": "chamber.nothing", "is_refitted": true}}});
+    let refused = browser.post(&format!("{session}/refine/change"), &other);
+    assert_eq!(refused.status, 404, "{refused:?}");
 }
 
 #[test]

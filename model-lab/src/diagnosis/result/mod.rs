@@ -97,6 +97,13 @@ impl Diagnosis {
     pub fn json_schema() -> Schema {
         schemars::schema_for!(Self)
     }
+
+    /// Returns whether it explains the error of the diagnosed plant: with the named effects, nothing material remains.
+    pub fn explains(&self) -> bool {
+        matches!(self.verdict, Verdict::Found | Verdict::Adequate)
+            && !self.unexplained
+            && !self.adds_up
+    }
 }
 
 /// Verdict of a diagnosis.

@@ -21,7 +21,7 @@ use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, session};
 use crate::align;
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::pages::blocking;
 use crate::refusal::Refusal;
 use crate::results::Compared;
@@ -55,14 +55,14 @@ pub(super) fn routes() -> Router<Arc<Sessions>> {
         .route("/sessions/{session}/logs/{log}/mf4", get(export_mf4))
 }
 
-/// Begins the comparison of a log with the plant; a running job of the same tab ends.
+/// Begins the comparison of a log with the plant; a running comparison or run of the same tab ends.
 async fn begin(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
 ) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
     session.project().log(log)?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Page, move |session, job| {
         work(session, log, job)
     }))
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::REQUIREMENT;
 use super::view::{DistributionView, PlantView, RequirementView};
+use crate::job::Span;
 use crate::named_plant::NamedPlant;
 use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
@@ -26,7 +27,7 @@ pub(super) async fn begin(
     let session = session(&sessions, id)?;
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Page, move |session, job| {
         let request = project.closed_loop;
         let all = f64::from(request.rigs) * plants.len() as f64;
         let mut done = 0.0;

@@ -20,6 +20,7 @@ use serde::Deserialize;
 
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::closed_loop::{ClosedLoop, ControllerFile, Profile};
+use crate::job::Span;
 use crate::named_plant::NamedPlant;
 use crate::pages::compare::traces::Range;
 use crate::refusal::{Problem, Refusal};
@@ -206,7 +207,7 @@ async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<B
     let session = session(&sessions, id)?;
     let project = session.project();
     let plants = NamedPlant::all_of(&project)?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Page, move |session, job| {
         let request = project.closed_loop;
         let count = plants.len();
         let mut runs = Vec::with_capacity(count);

@@ -5,6 +5,7 @@ use plant_sim::PlantParameters;
 use plant_sim::effects::{Effect, EffectSetting};
 use serde::Deserialize;
 
+use super::refitted::{RefittedParameter, refitted};
 use crate::history::{History, Step, StepEffect};
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
@@ -42,6 +43,11 @@ pub(super) enum Change {
         key: String,
         value: f64,
     },
+    /// Switches an ordinary parameter between its refitted value and the one as opened.
+    Ordinary {
+        name: String,
+        is_refitted: bool,
+    },
     Undo,
     Redo,
 }
@@ -59,6 +65,15 @@ impl Change {
             Self::Form { effect, form } => edit(history, |draft| draft.form(effect, form)),
             Self::Set { effect, key, value } => {
                 edit(history, |draft| draft.set(effect, key, *value))
+            }
+            Self::Ordinary { name, is_refitted } => {
+                let mut changed = refitted(history)?.into_iter();
+                let parameter = changed.find(|one| one.name == *name);
+                let parameter =
+                    parameter.ok_or_else(|| Refusal::not_found("refitted parameter"))?;
+                edit(history, |draft| {
+                    draft.switch_ordinary(&parameter, *is_refitted)
+                })
             }
             Self::Undo => {
                 let before = history.at().checked_sub(1);
@@ -268,6 +283,32 @@ impl Draft {
             title(id),
             if is_on { "on" } else { "off" }
         ))
+    }
+
+    fn switch_ordinary(
+        &mut self,
+        parameter: &RefittedParameter,
+        is_refitted: bool,
+    ) -> Result<String, Refusal> {
+        let RefittedParameter {
+            name,
+            unit,
+            before,
+            after,
+            ..
+        } = parameter;
+        let (value, words, origin) = if is_refitted {
+            (*after, "refitted", format!("refitted; was {before}"))
+        } else {
+            (
+                *before,
+                "as opened",
+                format!("as opened; refitted: {after}"),
+            )
+        };
+        self.plant.set(name, value, &origin)?;
+        let value = format!("{value} {unit}");
+        Ok(format!("{name}: {}, {words}", value.trim_end()))
     }
 
     /// Changes the form of the law; parameters of both forms keep their values.

@@ -7,6 +7,7 @@ use model_lab::diagnosis::{EstimatedPlant, Estimation, estimate as estimate_para
 use super::change::REFINED;
 use super::{Fitting, add_fitted, fitting, note_errors};
 use crate::history::{Interval, Step, StepEffect};
+use crate::job::Span;
 use crate::pages::{Begun, Shared, begin_job};
 use crate::project::PlantFile;
 use crate::refusal::Refusal;
@@ -18,7 +19,7 @@ pub(super) async fn estimate(
     Json(request): Json<Fitting>,
 ) -> Result<Json<Begun>, Refusal> {
     let (session, history) = fitting(&sessions, id, &request)?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let now = history.now();
         let logs = session.recordings(&request.chosen.logs)?;
         let check = session.recordings(&request.chosen.check)?;

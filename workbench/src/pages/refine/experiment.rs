@@ -10,6 +10,7 @@ use model_lab::diagnosis::next_experiment::{DeterminingExperiment, determining_e
 use serde::Deserialize;
 
 use super::{Fitting, fitting};
+use crate::job::Span;
 use crate::pages::experiment_limits::RequestedLimits;
 use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
@@ -39,7 +40,7 @@ pub(super) async fn plan(
     let plant = history.now().plant.clone();
     let parameters = plant.parameters()?;
     let limits = request.limits.of(&parameters)?;
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let logs = session.recordings(&request.fitting.chosen.logs)?;
         let watch = |seen| job.watch(seen);
         let next = determining_experiment(&parameters, &logs, &["all"], limits, &watch)?;

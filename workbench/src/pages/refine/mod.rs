@@ -3,6 +3,7 @@
 mod change;
 mod estimate;
 mod experiment;
+mod refitted;
 mod simulation;
 
 use std::sync::Arc;
@@ -17,12 +18,13 @@ use serde::{Deserialize, Serialize};
 
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::history::{History, Step, StepEffect, StepError};
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
 use crate::results::Chosen;
 use crate::session::{Session, Sessions};
 use change::{Change, REFINED};
+use refitted::{RefittedParameter, refitted};
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
@@ -87,6 +89,7 @@ struct RefineView {
     opened: String,
     plant: String,
     effects: Vec<StepEffect>,
+    refitted: Vec<RefittedParameter>,
     steps: Vec<StepView>,
     /// Index of the current step.
     at: usize,
@@ -104,7 +107,8 @@ struct StepView {
 }
 
 impl RefineView {
-    fn of(history: History) -> Self {
+    fn of(history: History) -> Result<Self, Refusal> {
+        let refitted = refitted(&history)?;
         let until_now = &history.steps()[..=history.at()];
         let steps = history.steps().iter().map(|step| StepView {
             done: step.done.clone(),
@@ -112,7 +116,8 @@ impl RefineView {
             errors: step.errors.clone(),
         });
         let now = history.now();
-        Self {
+        Ok(Self {
+            refitted,
             opened: history.first().plant.name.clone(),
             plant: now.plant.name.clone(),
             effects: now.effects.clone(),
@@ -120,7 +125,7 @@ impl RefineView {
             at: history.at(),
             fit: until_now.iter().rev().find_map(|step| step.fit.clone()),
             estimation: history.base().estimation.clone(),
-        }
+        })
     }
 }
 
@@ -139,7 +144,7 @@ async fn show(
     blocking(move || {
         let mut history = history(&session)?;
         simulation::measure(&session, on.log, &mut history)?;
-        Ok(Json(RefineView::of(history)))
+        RefineView::of(history).map(Json)
     })
     .await
 }
@@ -168,7 +173,7 @@ async fn change_plant(
         })?;
         session.forget_comparisons();
         note_errors(&session, request.log)?;
-        history(&session).map(RefineView::of).map(Json)
+        RefineView::of(history(&session)?).map(Json)
     })
     .await
 }
@@ -215,7 +220,7 @@ async fn fit(
             "there is no effect to fit; add one or switch one on",
         ));
     }
-    Ok(begin_job(&session, move |session, job| {
+    Ok(begin_job(&session, Span::Tab, move |session, job| {
         let now = history.now();
         let (on, off): (Vec<_>, Vec<_>) = now.effects.iter().partition(|effect| effect.is_on);
         let base = history.base();

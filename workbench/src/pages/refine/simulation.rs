@@ -61,35 +61,6 @@ struct Rung {
     added: Option<String>,
     title: String,
     errors: Vec<StepError>,
-    /// Parameters that this row changes, from the plant as opened.
-    changed: Vec<ChangedParameter>,
-}
-
-/// Parameter that was refitted or set.
-#[derive(Serialize)]
-struct ChangedParameter {
-    name: String,
-    unit: &'static str,
-    /// Value as opened; `None` if the plant had none.
-    before: Option<f64>,
-    after: Option<f64>,
-    is_of_effect: bool,
-}
-
-/// Returns the parameters of `opened` that have another value in `now`.
-fn changed_parameters(opened: &PlantParameters, now: &PlantParameters) -> Vec<ChangedParameter> {
-    let changed = opened.specs().filter_map(|spec| {
-        let name = spec.name();
-        let (before, after) = (opened.get(&name), now.get(&name));
-        (before != after).then(|| ChangedParameter {
-            name,
-            unit: spec.unit,
-            before,
-            after,
-            is_of_effect: spec.effect_id().is_some(),
-        })
-    });
-    changed.collect()
 }
 
 pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Refusal> {
@@ -160,7 +131,6 @@ fn error_steps(
     let mut rungs = vec![Rung {
         added: None,
         title: format!("plant as opened: {}", first.plant.name),
-        changed: Vec::new(),
         errors: errors_of(
             (session, number, log, &first.plant),
             &first.plant.toml,
@@ -170,10 +140,12 @@ fn error_steps(
     let old = on.iter().filter(|effect| is_old(&effect.effect)).count();
     let opened = first.plant.parameters()?;
     let now = step.plant_with_first(old)?;
-    let changed = changed_parameters(&opened, &now);
-    if !changed.is_empty() {
-        let is_ordinary = changed.iter().any(|one| !one.is_of_effect);
-        let title = if is_ordinary {
+    let mut changed = opened
+        .specs()
+        .filter(|spec| spec.value(&opened) != spec.value(&now))
+        .peekable();
+    if changed.peek().is_some() {
+        let title = if changed.any(|spec| spec.effect_id().is_none()) {
             "ordinary parameters refitted"
         } else {
             "effects of the opened plant changed"
@@ -182,7 +154,6 @@ fn error_steps(
             added: None,
             title: title.to_owned(),
             errors: of_plant(old)?,
-            changed,
         });
     }
     for (index, effect) in on.iter().enumerate() {
@@ -197,7 +168,6 @@ fn error_steps(
                 effect.variant
             ),
             errors: of_plant(index + 1)?,
-            changed: Vec::new(),
         });
     }
     Ok(rungs)

@@ -17,6 +17,8 @@ pub(super) struct Findings {
     pub(super) diagnosis: Option<(Diagnosis, PlantParameters)>,
     /// Steps of the refinement.
     pub(super) steps: Vec<HistoryStep>,
+    /// Whether the diagnosis explains the error of the plant.
+    pub(super) is_explained: bool,
     /// Current step.
     current: usize,
 }
@@ -25,7 +27,12 @@ impl Findings {
     /// Returns the results of `session` for its plant; history and diagnosis of a plant that was open before are left
     /// out.
     pub(super) fn of(session: &Session) -> Self {
-        let Project { history, plant, .. } = session.project();
+        let project = session.project();
+        let diagnosed = session.findings().diagnosed;
+        let is_explained = diagnosed
+            .as_ref()
+            .is_some_and(|diagnosed| diagnosed.explains(&project));
+        let Project { history, plant, .. } = project;
         let history = if history.is_of(&plant) {
             history
         } else {
@@ -45,7 +52,8 @@ impl Findings {
                 .collect(),
         });
         Self {
-            diagnosis: session.findings().diagnosed.and_then(|diagnosed| {
+            is_explained,
+            diagnosis: diagnosed.and_then(|diagnosed| {
                 if !is_of_plant(&diagnosed.plant) {
                     return None;
                 }

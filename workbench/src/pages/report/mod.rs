@@ -16,7 +16,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::control::REQUIREMENT;
 use super::{Begun, Shared, begin_job, session};
-use crate::job::Job;
+use crate::job::{Job, Span};
 use crate::project::Project;
 use crate::refusal::Refusal;
 use crate::results::{Batch, Compared, Controlled};
@@ -82,7 +82,7 @@ async fn state(
 /// Begins to write the report; compares logs that were not compared with the plant yet.
 async fn begin(State(sessions): Shared, Path(id): Path<String>) -> Result<Json<Begun>, Refusal> {
     let session = session(&sessions, id)?;
-    Ok(begin_job(&session, work))
+    Ok(begin_job(&session, Span::Page, work))
 }
 
 fn work(session: &Session, job: &Job) -> Result<(), Refusal> {
@@ -169,17 +169,18 @@ fn html(session: &Session, project: &Project, logs: &[Log]) -> Result<String, Re
             ))
         })
         .collect();
+    let findings = Findings::of(session);
     let models: Vec<ModelPart<'_>> = compared
         .iter()
         .map(|(log, compared)| ModelPart {
             log: &log.recording,
             comparison: &compared.comparison,
+            is_explained: findings.is_explained,
         })
         .collect();
     let controlled = runs_of_now(session);
     let batch = session.batch.get().filter(|batch| batch.is_of(project));
     let control = control(controlled.as_deref(), batch.as_deref());
-    let findings = Findings::of(session);
     let recordings: Vec<_> = compared.iter().map(|(log, _)| &log.recording).collect();
     let runs = findings.before_and_after(&recordings);
     let names: Vec<&str> = logs.iter().map(|log| log.name.as_str()).collect();

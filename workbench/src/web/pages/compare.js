@@ -4,6 +4,8 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number, percent, signed, titled } from "../format.js";
 import { nextLine } from "../next.js";
+import { SideTabs } from "../side-tabs.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { closerLooks } from "./compare/closer.js";
 import { Cursors } from "./compare/cursors.js";
@@ -13,18 +15,16 @@ import { TimePlots } from "./compare/charts.js";
 
 export const title = "Compare";
 
-export async function show(place) {
-  const project = await api.get("/project");
+export const load = () => api.get("/project");
+
+export function show(place, project) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to compare yet. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "compare";
     return {};
   }
   const log = logs.find((one) => one.number === view.numberOf("log")) ?? logs[0];
-  const page = new Page(place, project, logs, log);
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, log);
 }
 
 /** Returns mark and words of the state of the model; `found` is the diagnosis, if there is one. */
@@ -43,20 +43,27 @@ class Page {
     this.ending = new AbortController();
     this.verdict = element("div", { class: "verdict", role: "status", id: "verdict" });
     this.cursors = new Cursors(log, () => this.plots.mark());
-    this.plots = new TimePlots(log, logs, project.plant, this.cursors, { onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved) });
+    this.plots = new TimePlots(log, logs, project.plant, this.cursors, limitsMenu(log, project.strictness), {
+      onView: () => this.looks?.refresh(), onShift: (moved) => this.looks?.showShift(moved), onCursor: () => this.side.show("values"),
+    });
     this.regimes = new Regimes(() => this.plots.refresh());
     this.closer = element("div", { class: "stack" });
     const choice = element("select", { id: "log", on: { change: () => view.go("compare", { log: Number(choice.value) }) } },
       logs.map((one) => element("option", { value: one.number, selected: one === log }, one.name)));
+    this.findings = element("section", { class: "findings" });
+    this.side = new SideTabs("Figures of the comparison", [
+      ["where", "Where the error is", [this.regimes.element, this.findings]],
+      ["values", "Values", [this.cursors.element, this.plots.hint]],
+      ["statistics", "Statistics", [element("h2", {}, "Residual within the visible range"), this.plots.metrics]],
+    ]);
     fill(place,
-      element("section", { class: "bar row" },
-        element("label", {}, "Log ", choice),
-        element("span", {}, "compared with ", element("strong", {}, project.plant.name)),
-        this.verdict, element("span", { class: "space" }), limitsMenu(log, project.strictness)),
-      element("div", { class: "columns plots" },
-        element("div", { class: "stack wide" }, this.plots.element),
-        element("aside", { class: "stack" }, this.cursors.element, this.findings = element("section", { class: "card", hidden: true }))),
-      this.regimes.element, this.closer, this.next = element("div", {}));
+      element("div", { class: "screen" },
+        element("section", { class: "bar row" },
+          element("label", {}, "Log ", choice),
+          element("span", {}, "compared with ", element("strong", {}, project.plant.name)),
+          this.verdict),
+        element("div", { class: "workspace" }, this.plots.element, this.side.element)),
+      this.plots.differences.metrics, this.closer, this.next = element("div", {}));
   }
 
   leave() {
@@ -77,12 +84,12 @@ class Page {
       await this.plots.refresh();
       if (!this.log.is_compared) await this.compare();
       await this.take();
-      document.body.dataset.ready = "compare";
+      return true;
     } catch (refusal) {
-      if (this.ending.signal.aborted) return;
+      if (this.ending.signal.aborted) return false;
       fill(this.verdict, element("span", { class: "chip bad" }, "not compared"), button("Compare", () => this.begin(), { id: "compare-again" }));
       if (refusal.name !== "AbortError") showProblems(refusal, this.log.name);
-      document.body.dataset.ready = "failed";
+      return false;
     }
   }
 
@@ -91,9 +98,8 @@ class Page {
     const share = element("span", { class: "quiet" }, "comparing …");
     const begun = await api.post(`/logs/${this.log.number}/compare`);
     const stop = new AbortController();
-    this.ending.signal.addEventListener("abort", () => stop.abort());
     fill(this.verdict, bar, share, button("Stop", () => stop.abort()));
-    await api.follow(begun.job, (done) => { bar.value = done; share.textContent = `comparing, ${percent(done)}`; }, stop.signal);
+    await api.follow(begun.job, (done) => { bar.value = done; share.textContent = `comparing, ${percent(done)}`; }, AbortSignal.any([stop.signal, this.ending.signal]));
     this.log.is_compared = true;
   }
 
@@ -123,12 +129,11 @@ class Page {
   }
 
   showFindings(signals) {
-    this.findings.hidden = false;
-    fill(this.findings, element("h2", {}, "Where the error is"),
+    fill(this.findings, element("h2", {}, "Signals"),
       signals.map((signal) => element("div", {},
         element("h3", {}, titled(signal.name)),
         element("p", {}, signal.finding.sentence),
-        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, peak ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
+        element("p", { class: "quiet" }, `rms ${number(signal.free_run.rms, 3)} ${signal.unit}, `, term("noise floor"), ` ${number(signal.noise_floor.value, 3)} ${signal.unit}, bias ${signed(signal.free_run.bias, 3)} ${signal.unit}, peak ${signed(signal.free_run.worst, 3)} ${signal.unit} at ${number(signal.free_run.worst_time_s, 5)} s. `,
           button("Show in plot", () => this.plots.goToMoment(signal.free_run.worst_time_s), { class: "link" })),
         signal.time_offset && element("p", { class: "quiet" }, signal.time_offset.statement))),
       [this.comparison.clock, this.comparison.start_gas].filter(Boolean).map(({ statement }) =>

@@ -12,11 +12,9 @@ import { requirements } from "./control/requirements.js";
 
 export const title = "Control";
 
-export async function show(place) {
-  const page = new Page(place, await api.get("/control"));
-  await page.begin();
-  return page;
-}
+export const load = () => api.get("/control");
+
+export const show = (place, query) => new Page(place, query);
 
 class Page {
   constructor(place, query) {
@@ -54,13 +52,13 @@ class Page {
   async begin() {
     if (this.query.problems.length > 0) {
       fill(this.verdict, this.query.problems.map((problem) => element("span", { class: "problem" }, problem.message)));
-      document.body.dataset.ready = "failed";
-      return;
+      return false;
     }
     const before = this.query.has_result ? await api.get("/control/result") : null;
     if (before?.is_current) await this.take(before);
-    else await this.run();
+    else if (!await this.run()) return false;
     if (this.query.has_batch) await this.batch.take();
+    return true;
   }
 
   /** Changes profile, seed or size of the batch; other values stay unchanged. */
@@ -95,6 +93,7 @@ class Page {
     this.batch.showQuery(query);
   }
 
+  /** Runs the loop; returns whether it did. */
   async run() {
     document.body.dataset.ready = "running";
     const bar = element("progress", { max: 1, value: 0, "aria-label": "running the loop" });
@@ -105,11 +104,13 @@ class Page {
       const begun = await api.post("/control/run");
       await api.follow(begun.job, (share) => { bar.value = share; }, stop.signal);
       await this.take(await api.get("/control/result"));
+      return true;
     } catch (refusal) {
-      if (this.ending.signal.aborted) return;
+      if (this.ending.signal.aborted) return false;
       fill(this.verdict, element("span", { class: "chip open" }, "not run"));
       if (refusal.name !== "AbortError") showProblems(refusal, "Closed loop");
       document.body.dataset.ready = "failed";
+      return false;
     }
   }
 
@@ -119,6 +120,6 @@ class Page {
     this.table.hidden = false;
     fill(this.table, requirements(result, (time) => this.plots.goToStep(time)));
     await this.plots.take(result);
-    document.body.dataset.ready = "control";
+    if (!this.ending.signal.aborted) document.body.dataset.ready = "control";
   }
 }

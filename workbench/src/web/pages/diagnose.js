@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { duration, number, unitText } from "../format.js";
 import { nextLine } from "../next.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { Candidates } from "./diagnose/candidates.js";
 import { Experiment } from "./diagnose/experiment.js";
@@ -14,17 +15,15 @@ import { Work } from "./work.js";
 
 export const title = "Diagnose";
 
-export async function show(place) {
-  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+export const load = () => Promise.all([api.get("/project"), api.effects()]);
+
+export function show(place, [project, effects]) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to diagnose. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "diagnose";
     return {};
   }
-  const page = new Page(place, project, logs, new Map(effects.map((effect) => [effect.id, effect])));
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, new Map(effects.map((effect) => [effect.id, effect])));
 }
 
 /** Short texts of the verdicts, and their marks. */
@@ -38,7 +37,7 @@ const PAGE_TITLES = { compare: "Compare", control: "Control", refine: "Refine" }
 class Page {
   constructor(place, project, logs, effects) {
     Object.assign(this, { place, project, logs, effects, parts: [] });
-    this.work = new Work("Diagnosing");
+    this.work = new Work("Diagnosis", "/diagnose");
     this.answer = element("div", { class: "stack" });
   }
 
@@ -50,19 +49,23 @@ class Page {
     fill(this.place,
       element("section", { class: "bar row" },
         this.roles.element, element("span", {}, "compared with ", element("strong", {}, this.project.plant.name)),
-        element("span", { class: "space" }), this.work.element, this.start),
+        element("span", { class: "space" }), this.start),
       this.answer, this.next = element("div", {}));
     fill(this.next, nextLine("diagnose these logs.", "Diagnose", () => this.diagnose()));
     if (found) this.take(found);
     else fill(this.answer, element("section", { class: "card" },
       element("p", {}, "Adds each effect of the library, in each of its forms, to the plant and fits it with the ordinary parameters. Names the effects that explain the error on the validation data. Takes about 30 s per minute of log."),
       element("p", { class: "quiet" }, this.roles.words())));
-    document.body.dataset.ready = "diagnose";
+    if (this.work.isRunning) this.follow(this.work.resume());
   }
 
-  async diagnose() {
+  diagnose() {
+    return this.follow(this.work.run("/diagnose", this.roles.chosen));
+  }
+
+  async follow(work) {
     this.start.hidden = this.next.hidden = true;
-    const isDone = await this.work.run("/diagnose", this.roles.chosen);
+    const isDone = await work;
     this.start.hidden = this.next.hidden = false;
     if (!isDone) return;
     try {
@@ -93,7 +96,7 @@ class Page {
         new Candidates(diagnosis, this.effects, (effect) => this.add(effect)).element,
         element("div", { class: "stack" },
           element("section", { class: "card" }, element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the noise floor (the line at 1).`),
+            element("p", { class: "quiet" }, `Rms on ${diagnosis.held_out}, divided by the `, term("noise floor"), " (the line at 1)."),
             errorSteps(rungsOf(diagnosis.error_steps)), this.freeRun(diagnosis)),
           this.alternatives(found.alternatives), this.location(diagnosis))),
       remaining.element, experiment.element, this.nuisance(diagnosis));
@@ -149,7 +152,7 @@ class Page {
   location(diagnosis) {
     const list = (regimes) => element("ul", { class: "plain" }, regimes.map((regime) => element("li", {},
       element("b", {}, regime.log), ` ${regime.signal}: ${regime.sentence}. `, this.toCompare(regime))));
-    return element("section", { class: "card" }, element("h2", {}, "Where the excess error is"),
+    return element("section", { class: "card" }, element("h2", {}, "Where the ", term("excess error"), " is"),
       diagnosis.where.of_compare.map((sentence) => element("p", {}, `${sentence}.`)),
       element("h3", {}, "With the ordinary parameters refitted"), list(diagnosis.where.before),
       diagnosis.unexplained && diagnosis.effects.length > 0 && [element("h3", {}, "With the named effects"), list(diagnosis.where.after)]);

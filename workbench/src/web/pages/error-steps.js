@@ -1,28 +1,35 @@
-// Error steps, effect by effect: bars in multiples of the noise of each signal.
+// Error steps, effect by effect: bars in multiples of the noise of each signal, on a logarithmic axis.
 
-import { element, table } from "../dom.js";
+import { element } from "../dom.js";
 import { number, titled, unitText } from "../format.js";
 
 const multiple = (error) => error.rms !== null && error.noise_floor ? error.rms / error.noise_floor : null;
 
-/**
- * Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }], changed: [{ name, unit, before, after }] }`, the
- * first at the top.
- */
-export function errorSteps(rungs) {
-  const most = Math.max(1.5, ...rungs.flatMap((rung) => rung.errors.map(multiple)).filter((times) => times !== null));
-  const place = (times) => `${100 * Math.min(1, times / most)}%`;
-  return element("div", { class: "error-steps", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
-    element("h3", {}, rung.title),
-    rung.errors.map((error) => bar(error, multiple(error), place, index === 0)),
-    rung.changed?.length > 0 && changedValues(rung.changed))));
+/** Ticks (multiples of the noise) of the logarithmic axis. */
+const TICKS = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+
+/** Returns the first and the last tick around all errors; the noise floor is always inside. */
+function rangeOf(rungs) {
+  const times = rungs.flatMap((rung) => rung.errors.map(multiple)).filter((one) => one !== null);
+  const last = TICKS.findIndex((tick) => tick >= Math.max(2, ...times));
+  return [TICKS[0], last < 0 ? TICKS.at(-1) : TICKS[last]];
 }
 
-/** Returns the values that a row changes. */
-function changedValues(changed) {
-  const rows = changed.map(({ name, before, after, unit }) => [name, number(before), number(after), unitText(unit)]);
-  return element("details", { class: "changed" }, element("summary", {}, rows.length === 1 ? "1 value" : `${rows.length} values`),
-    element("div", { class: "scroll" }, table(["parameter", "as opened", "now", "unit"], rows, "numbers dense")));
+/** Draws rows of `{ title, errors: [{ signal, unit, rms, noise_floor }] }`, the first at the top. */
+export function errorSteps(rungs) {
+  const [low, high] = rangeOf(rungs);
+  const place = (times) => `${100 * Math.max(0, Math.min(1, Math.log(times / low) / Math.log(high / low)))}%`;
+  return element("div", { class: "error-steps", role: "list" }, rungs.map((rung, index) => element("div", { class: "rung", role: "listitem", data: { rung: index } },
+    element("h3", {}, rung.title),
+    rung.errors.map((error) => bar(error, multiple(error), place, index === 0)))),
+  axisRow(TICKS.filter((tick) => tick >= low && tick <= high), place));
+}
+
+/** Creates the logarithmic axis below the bars. */
+function axisRow(ticks, place) {
+  return element("div", { class: "bar-row scale", "aria-hidden": "true" }, element("span", {}),
+    element("span", { class: "ticks" }, ticks.map((tick) => element("span", { style: { left: place(tick) } }, String(tick)))),
+    element("span", { class: "unit" }, "× noise, logarithmic"));
 }
 
 function bar(error, times, place, isFirst) {

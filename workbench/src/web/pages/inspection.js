@@ -3,8 +3,11 @@
 import { button, element } from "../dom.js";
 import { count, duration, number } from "../format.js";
 
-/** Creates the view of an inspection; `answer` gets `gauge` or `absolute`, `apply` the text of a mapping. */
-export function inspectionView(inspection, answer, apply) {
+/**
+ * Creates the view of an inspection, without the problems if the card of the log lists them; `answer` gets `gauge` or `absolute`, `apply` the text of
+ * a mapping.
+ */
+export function inspectionView(inspection, hasProblems, answer, apply) {
   const length = inspection.duration_s === null ? "" : `, ${duration(inspection.duration_s)}`;
   return element("section", { class: "inspection", "aria-label": "Inspection" },
     element("h3", {}, "Columns"),
@@ -13,7 +16,6 @@ export function inspectionView(inspection, answer, apply) {
       element("thead", {}, element("tr", {}, ["column", "rate", "missing", "least", "greatest", "signal", "unit", "reason"]
         .map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, inspection.columns.map(columnLine)))),
-    list("Missing", inspection.missing),
     inspection.open.length > 0 && element("div", { class: "open-questions" },
       element("h4", {}, "Open"),
       element("ul", { class: "plain" }, inspection.open.map((one) => element("li", {}, one.question,
@@ -22,9 +24,11 @@ export function inspectionView(inspection, answer, apply) {
         ["gauge", "absolute"].map((reference) => button(`Pressures are ${reference}`, () => answer(reference),
           { class: inspection.suggested === reference ? "primary" : undefined, data: { reference } })))),
     list("Assumed, to be checked", inspection.assumed),
-    list("Not read", inspection.remarks),
-    list("Gaps and missing cells", inspection.defects),
-    inspection.problem && element("p", { class: "problem" }, inspection.problem.message),
+    !hasProblems && [
+      list("Not read", inspection.remarks),
+      list("Gaps and missing cells", inspection.defects),
+      inspection.problem && element("p", { class: "problem" }, inspection.problem.message),
+    ],
     inspection.mapping && !inspection.asks_reference && element("p", { class: "row" },
       button("Use these signals", () => apply(inspection.mapping), { class: "primary use-inspection" })));
 }

@@ -2,25 +2,21 @@
 
 import * as api from "../api.js";
 import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
-import { count, duration, number } from "../format.js";
+import { count, duration, number, ratesOf } from "../format.js";
 import { nextLine } from "../next.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
 import { inspectionView } from "./inspection.js";
-import { mappingForm } from "./mapping.js";
+import { isMappable, mappingForm } from "./mapping.js";
 
 export const title = "Logs and plant";
 
-export async function show(place) {
-  const page = new Page(place);
-  await page.refresh();
-  document.body.dataset.ready = "logs";
-  return page;
-}
+export const load = () => Promise.all([api.get("/project"), api.examples()]);
+
+export const show = (place, [project, examples]) => new Page(place, project, examples);
 
 class Page {
-  constructor(place) {
-    this.place = place;
+  constructor(place, project, examples) {
     this.open = new Set();
     this.logs = element("div", { class: "stack" });
     this.plant = element("section", { class: "card", "aria-labelledby": "plant-title" });
@@ -30,10 +26,6 @@ class Page {
       element("div", { class: "stack wide" }, this.dropZone(), this.logs),
       element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)),
       this.next = element("div", {}));
-  }
-
-  async refresh() {
-    const [project, examples] = await Promise.all([api.get("/project"), api.examples()]);
     this.listExamples(examples);
     this.showProject(project);
   }
@@ -53,7 +45,9 @@ class Page {
     const log = logs.find((one) => !one.problem);
     if (log) return nextLine(`compare ${log.name} with the plant.`, "Compare", () => view.go("compare", { log: log.number }));
     if (logs.length === 0) return nextLine("open a log, or an example.", "Choose files …", () => document.getElementById("files").click());
-    return nextLine(`map the columns of ${logs[0].name}.`, "Show columns", () => document.querySelector(".log").scrollIntoView());
+    const unread = logs.find(isMappable);
+    if (unread) return nextLine(`map the columns of ${unread.name}.`, "Show columns", () => document.querySelector(`[data-log="${unread.number}"]`).scrollIntoView());
+    return nextLine("open a complete log.", "Choose files …", () => document.getElementById("files").click());
   }
 
   /** Adds these channels to every log; returns their problems. */
@@ -140,11 +134,13 @@ class Page {
     const where = [line && `line ${line}`, column && `column ${column}`].filter(Boolean).join(", ");
     return element("div", { class: "problem" },
       element("p", {}, element("strong", {}, where ? `${where}: ` : ""), message),
-      element("p", { class: "quiet" }, code, log.is_mapped && " – read with a mapping"));
+      element("p", { class: "quiet" }, code, log.is_mapped && " – read with a mapping"),
+      element("ul", { class: "plain others" }));
   }
 
   summary(log) {
     const { summary } = log;
+    const rates = ratesOf(summary);
     const facts = [
       summary.start && `recorded ${summary.start}`, `${count(summary.samples)} samples`, duration(summary.duration_s),
       summary.sample_interval_s && `every ${duration(summary.sample_interval_s)}`,
@@ -155,7 +151,7 @@ class Page {
       element("p", { class: "facts" }, facts.filter(Boolean).join(" · ")),
       element("ul", { class: "signals" }, summary.signals.map((signal) => element("li", { class: "chip", title: `${signal.quantity}; ${number(signal.lowest)} to ${number(signal.highest)} ${signal.unit}` },
         element("b", {}, signal.name), ` ${signal.unit}`,
-        signal.own_interval_s && element("span", { class: "quiet" }, ` every ${duration(signal.own_interval_s)}`),
+        rates.has(signal.name) && element("span", { class: "quiet" }, ` ${rates.get(signal.name)}`),
         signal.missing > 0 && element("em", {}, ` ${count(signal.missing)} missing`)))),
       summary.left_out.length > 0 && element("details", {}, element("summary", {}, `${summary.left_out.length} left out`),
         element("ul", { class: "plain" }, summary.left_out.map((one) => element("li", {}, element("b", {}, one.name), ` ${one.reason}`)))));
@@ -177,12 +173,14 @@ class Page {
       const preview = await api.get(`/logs/${log.number}/preview${reference ? `?pressure=${reference}` : ""}`);
       const { inspection } = preview;
       if (reference && (inspection?.mapping_with_reference ?? inspection?.mapping)) {
-        await this.mapColumns(log, { toml: inspection.mapping_with_reference ?? inspection.mapping });
+        await this.adopt(log, { toml: inspection.mapping_with_reference ?? inspection.mapping });
         return;
       }
-      if (log.problem && inspection && isUnderstood(inspection)) this.showUnderstood(details.parentElement);
+      const card = details.parentElement;
+      if (log.problem && inspection && isUnderstood(inspection)) this.showUnderstood(card);
+      if (inspection) showNeeded(card, log, inspection);
       fill(details,
-        inspection && inspectionView(inspection, (answer) => this.fillDetails(log, details, answer), (toml) => this.mapColumns(log, { toml })),
+        inspection && inspectionView(inspection, Boolean(log.problem), (answer) => this.fillDetails(log, details, answer), (toml) => this.adopt(log, { toml })),
         preview.around && [element("h3", {}, "Lines around the error"), rawTable(preview.around, log.problem)],
         preview.rows.length > 0 && [element("h3", {}, "First rows as signals"), valueTable(preview)],
         preview.head.lines.length > 0 && [element("h3", {}, "First lines (raw)"), rawTable(preview.head, log.problem)],
@@ -200,14 +198,21 @@ class Page {
       "All columns are recognised. Check them, then use these signals."));
   }
 
+  /** Applies a mapping that the inspection proposes. */
+  async adopt(log, form) {
+    for (const { message } of await this.mapColumns(log, form)) showMessage(`Mapping: ${message}`, "problem");
+  }
+
+  /** Applies a mapping; returns the problems of its content. */
   async mapColumns(log, form) {
     try {
       const project = await api.put(`/logs/${log.number}/mapping`, form);
       const after = project.logs.find((one) => one.number === log.number);
       if (!after.problem) { this.open.delete(log.number); showMessage(`Mapping applied to ${log.name}. It also applies to logs with the same header.`); }
       this.showProject(project);
+      return [];
     } catch (refusal) {
-      showProblems(refusal, "Mapping");
+      return refusal.problems ?? [{ message: String(refusal) }];
     }
   }
 
@@ -269,8 +274,21 @@ class Page {
   async closeAll() {
     if (!await ask("Close all logs and the plant, and discard all results? This cannot be undone.", { close: "Close everything" })) return;
     this.open.clear();
+    view.forget();
     this.showProject(await api.remove("/project"));
   }
+}
+
+/** Shows the needed signals on the card of a log, missing ones in red, and the problems that follow the first one. */
+function showNeeded(card, log, { found, missing, problem, remarks, defects }) {
+  card.querySelector(".needed")?.remove();
+  const chip = (mark) => (name) => element("li", { class: `chip ${mark}`, title: mark === "bad" ? `${name}: required for a comparison of valves and chamber, not found` : undefined }, name);
+  if (missing.length > 0) {
+    card.querySelector(":scope > header").after(element("ul", { class: "needed", "aria-label": "Required signals" }, found.map(chip("good")), missing.map(chip("bad"))));
+  }
+  const others = card.querySelector(":scope > .problem .others");
+  const more = [problem?.message, ...remarks, ...defects].filter((text) => text && !text.includes(log.problem?.message));
+  if (others) fill(others, more.map((text) => element("li", {}, text)));
 }
 
 /** Returns whether an inspection proposes a mapping that reads the log, without a question to the user. */

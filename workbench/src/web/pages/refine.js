@@ -4,28 +4,28 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number } from "../format.js";
 import { nextLine } from "../next.js";
+import { term } from "../terms.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
 import { Effects } from "./refine/effects.js";
 import { estimated } from "./refine/estimation.js";
 import { Experiment } from "./refine/experiment.js";
 import { Plots } from "./refine/plots.js";
+import { Refitted } from "./refine/refitted.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
 
 export const title = "Refine";
 
-export async function show(place) {
-  const [project, effects] = await Promise.all([api.get("/project"), api.effects()]);
+export const load = () => Promise.all([api.get("/project"), api.effects()]);
+
+export function show(place, [project, effects]) {
   const logs = project.logs.filter((log) => !log.problem);
   if (logs.length === 0) {
     fill(place, element("p", {}, "There is no log to refine the plant with. ", button("Open one", () => view.go("logs"), { class: "primary" })));
-    document.body.dataset.ready = "refine";
     return {};
   }
-  const page = new Page(place, project, logs, effects);
-  await page.begin();
-  return page;
+  return new Page(place, project, logs, effects);
 }
 
 class Page {
@@ -35,7 +35,7 @@ class Page {
     this.roles = new Roles(logs);
     this.log = logs.find((log) => log.number === view.numberOf("log")) ?? logs.find((log) => log.number === this.roles.chosen.logs[0]) ?? logs[0];
     view.set({ log: this.log.number });
-    this.work = new Work("Fitting");
+    this.work = new Work("Fit", "/refine/fit", "/refine/estimate");
     this.plots = new Plots(this.log, () => this.simulate());
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
@@ -45,6 +45,7 @@ class Page {
     this.plant = element("strong", { id: "plant-name" });
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
+    this.refitted = new Refitted((change) => this.change(change));
     this.fitted = element("section", { class: "card", hidden: true });
     this.estimated = element("section", { class: "card", hidden: true });
     this.experiment = new Experiment(() => ({ log: this.log.number, ...this.roles.chosen }));
@@ -60,31 +61,35 @@ class Page {
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice), element("span", {}, "plant ", this.plant),
         element("span", { class: "space" }),
-        this.work.element, this.undo, this.redo, this.estimateButton, this.fitButton,
+        this.undo, this.redo, this.estimateButton, this.fitButton,
         element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
       element("div", { class: "columns plots" },
         element("div", { class: "stack" },
           element("section", { class: "card", id: "error-steps" },
             element("h2", {}, "How the error falls"),
-            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the noise floor (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
-            this.rungs, this.cost),
+            element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the `, term("noise floor"), ` (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
+            this.rungs, this.cost, this.refitted.element),
           this.plots.element, this.estimated, this.experiment.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
           element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))),
       this.next = element("div", {}));
     try {
-      this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
+      const state = await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`);
+      if (this.ending.signal.aborted) return false;
+      this.take(state);
       const add = view.text("add");
       view.set({ add: null });
       if (add && !this.state.effects.some((effect) => effect.effect === add)) await this.change({ add: { effect: add } });
       else await this.simulate();
-      document.body.dataset.ready = "refine";
     } catch (refusal) {
       showProblems(refusal, "Refine");
-      document.body.dataset.ready = "failed";
+      return false;
     }
+    if (this.work.isRunning) this.follow(this.work.resume());
+    this.experiment.resume();
+    return true;
   }
 
   leave() {
@@ -116,7 +121,10 @@ class Page {
         await this.simulate();
       } catch (refusal) {
         showProblems(refusal, "Change");
-        if (this.state) this.effects.take(this.state.effects);
+        if (this.state) {
+          this.effects.take(this.state.effects);
+          this.refitted.take(this.state.refitted);
+        }
       }
     });
     return this.queue;
@@ -129,6 +137,7 @@ class Page {
     this.redo.disabled = state.at + 1 === state.steps.length;
     this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
     this.effects.take(state.effects);
+    this.refitted.take(state.refitted);
     this.showSteps(state);
     fill(this.next, state.at > 0 || state.effects.length > 0
       ? nextLine("compare the refined plant with the log.", "Compare", () => view.go("compare", { log: this.log.number }))
@@ -188,10 +197,7 @@ class Page {
   /** Moves the bars from their previous lengths; the bars of a new row start at the errors of the plant as opened. */
   showErrorSteps(rungs) {
     const before = [...this.rungs.querySelectorAll(".rung")].map(widths);
-    const isOpen = Boolean(this.rungs.querySelector(".changed[open]"));
     fill(this.rungs, errorSteps(rungs));
-    const changed = this.rungs.querySelector(".changed");
-    if (changed) changed.open = isOpen;
     [...this.rungs.querySelectorAll(".rung")].forEach((rung, index) => {
       const from = before[index] ?? before[0] ?? [];
       rung.querySelectorAll(".fill").forEach((bar, signal) => {
@@ -202,10 +208,14 @@ class Page {
     });
   }
 
-  async fit(path) {
+  fit(path) {
+    return this.follow(this.work.run(path, { log: this.log.number, ...this.roles.chosen }));
+  }
+
+  async follow(work) {
     const buttons = [this.fitButton, this.estimateButton];
     buttons.forEach((one) => { one.hidden = true; });
-    const isDone = await this.work.run(path, { log: this.log.number, ...this.roles.chosen });
+    const isDone = await work;
     buttons.forEach((one) => { one.hidden = false; });
     if (!isDone) return;
     try {

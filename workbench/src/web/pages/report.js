@@ -8,14 +8,12 @@ import * as view from "../view.js";
 
 export const title = "Report";
 
-export async function show(place) {
-  const page = new Page(place);
-  await page.begin();
-  return page;
-}
+export const load = () => api.get("/report");
+
+export const show = (place, state) => new Page(place, state);
 
 class Page {
-  constructor(place) {
+  constructor(place, state) {
     this.ending = new AbortController();
     this.contents = element("ul", { class: "signals" });
     this.status = element("div", { class: "verdict", role: "status", id: "report-status" });
@@ -30,20 +28,15 @@ class Page {
         this.contents,
         element("div", { class: "row" }, this.writing, this.file, this.status)),
       this.frame, this.next = element("div", {}));
+    this.take(state);
+    if (state.has_report) this.preview();
   }
 
   leave() {
     this.ending.abort();
   }
 
-  async begin() {
-    const state = await this.refresh();
-    if (state.has_report) this.preview();
-    document.body.dataset.ready = "report";
-  }
-
-  async refresh() {
-    const state = await api.get("/report");
+  take(state) {
     this.writing.disabled = state.logs === 0;
     this.writing.title = state.logs === 0 ? "There is no log to report on; open one on the page Logs and plant" : "";
     fill(this.next, this.nextStep(state));
@@ -55,7 +48,6 @@ class Page {
       line(state.has_diagnosis, state.has_diagnosis ? "a diagnosis" : "no diagnosis yet"),
       line(state.steps > 0, state.steps > 0 ? some(state.steps, "refinement step", "refinement steps") : "no refinement yet"),
       line(state.runs > 0, state.runs > 0 ? `closed-loop run on ${some(state.runs, "plant", "plants")}` : "no closed-loop run with this plant yet (page Control)"));
-    return state;
   }
 
   /** Returns the line with the next step. */
@@ -76,7 +68,7 @@ class Page {
       fill(this.status, bar, share, button("Stop", () => stop.abort()));
       await api.follow(begun.job, (done) => { bar.value = done; share.textContent = percent(done); }, stop.signal);
       fill(this.status, element("span", { class: "chip good" }, "written"));
-      await this.refresh();
+      this.take(await api.get("/report"));
       this.preview();
     } catch (refusal) {
       if (this.ending.signal.aborted) return;

@@ -1,17 +1,22 @@
 // Traces: one plot for each signal, with the residual and its noise below, all on one time axis.
 
 import * as api from "../../api.js";
-import { label, plotly, saveImage } from "../../chart.js";
+import { axis, clear, draw, label, layout, plotly, saveImage } from "../../chart.js";
 import { button, element, fill, save, showProblems } from "../../dom.js";
 import { Filter } from "../../filter.js";
-import { count, fileName, number, percent, signed, titled } from "../../format.js";
+import { count, fileName, number, percent, ratesOf, signed, titled } from "../../format.js";
+import { menu } from "../../menu.js";
 import { colour } from "../../theme.js";
 import { NAMES, TimeView } from "../../time-view.js";
 import * as view from "../../view.js";
 import { Differences } from "./differences.js";
+import { Dividers, fitted } from "./rows.js";
 
-/** Heights (px): a signal, its residual, an input. */
+/** Heights (px) with enough space: a signal, its residual, an input. */
 const HEIGHT = { signal: 150, residual: 84, input: 78 };
+/** Margins (px) around the plots, and the gap between two, so that many fit the window. */
+const FRAME = { margin: { l: 64, r: 14, t: 18, b: 40 }, gap: 18 };
+const TIME_AXIS = "time in the log [s]";
 /** Idle time (ms) after an input before the detail charts are updated. */
 const REST = 400;
 /** Share of the view that is also fetched on either side, so that panning shows no empty edge. */
@@ -38,21 +43,28 @@ function verdictOf(band) {
 }
 
 export class TimePlots extends TimeView {
-  constructor(log, logs, plant, cursors, { onView, onShift }) {
-    super("time-plots", ", a and b set a cursor in the centre");
-    Object.assign(this, { log, logs, plant, cursors, onView, onShift, overlays: [], hidden: new Set(view.texts("hide")) });
+  constructor(log, logs, plant, cursors, limits, { onView, onShift, onCursor }) {
+    super("time-plots", ", a and b set a cursor in the centre", FRAME);
+    Object.assign(this, { log, logs, plant, cursors, onView, onShift, onCursor, overlays: [], hidden: new Set(view.texts("hide")) });
     this.choices = element("div", { class: "row choices" });
     this.filter = new Filter("signals");
     this.differences = new Differences(log, () => this.refresh());
     this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
     this.legend = element("span", { class: "row legend", id: "legend" });
     this.metrics = element("div", { class: "scroll" });
-    this.element = element("section", { class: "card", "aria-label": "Traces" },
-      this.tools("Measured and modelled", "Whole log", this.exports()),
-      this.legend, this.filter.element, this.choices, this.differences.element, this.over,
-      element("p", { class: "quiet hint" }, "Drag or Ctrl and wheel to zoom, drag with Shift to pan, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
-        logs.length > 1 && " Drag with Ctrl to shift the overlaid log."),
-      element("h3", {}, "Residual within the visible range"), this.metrics, this.differences.metrics);
+    this.hint = element("p", { class: "quiet hint" }, "Drag or Ctrl and wheel to zoom, drag with Shift to pan, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
+      logs.length > 1 && " Drag with Ctrl to shift the overlaid log.");
+    this.dividers = new Dividers(() => this.paint());
+    this.over.append(this.dividers.element);
+    // Stays at the lower edge where the rows need more than the window.
+    this.timeAxis = element("div", { class: "time-axis", "aria-hidden": "true", hidden: true });
+    this.scroller = element("div", { class: "scroller" }, this.over, this.timeAxis);
+    const signals = element("div", { class: "popup stack" }, this.filter.element, this.choices, this.differences.element);
+    this.element = element("section", { class: "card plots", "aria-label": "Traces" },
+      this.tools("Measured and modelled", "Whole log", this.exports(), [menu("Signals", signals, { id: "signals" }), limits]),
+      this.legend, this.scroller);
+    this.sizes = new ResizeObserver(() => this.redraw());
+    this.sizes.observe(this.scroller);
     this.listenToClicks();
     this.listenToShifts();
   }
@@ -92,6 +104,8 @@ export class TimePlots extends TimeView {
 
   leave() {
     super.leave();
+    this.sizes.disconnect();
+    clear(this.timeAxis);
     clearTimeout(this.resting);
   }
 
@@ -179,32 +193,36 @@ export class TimePlots extends TimeView {
 
   showMetrics() {
     const compared = this.traces.signals.filter((signal) => signal.residual?.metrics);
-    const hasTolerance = compared.some((signal) => signal.residual.band);
-    const rows = compared.map((signal) => {
-      const { metrics, unit, limit, holds, band } = signal.residual;
-      return element("tr", {}, element("th", { scope: "row" }, `${signal.name} [${unit}]`),
-        [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), number(limit)].map((cell) => element("td", {}, cell)),
-        element("td", {}, element("span", {
-          class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "rms over the whole log, compared with its limit",
-        }, holds === null ? "no limit" : holds ? "within" : "above")),
-        hasTolerance && element("td", { data: { band: signal.name } }, verdictOf(band)));
-    });
-    fill(this.metrics, rows.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers dense", id: "metrics" },
-      element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |e|", "bias", "std", "lowest", "highest", "limit of rms", "whole log", ...hasTolerance ? ["outside tolerance"] : []].map((cell) => element("th", { scope: "col" }, cell)))),
-      element("tbody", {}, rows)));
+    const residuals = compared.map((signal) => signal.residual);
+    const row = (name, cell) => element("tr", {}, element("th", { scope: "row" }, name), residuals.map((residual, index) => cell(residual, compared[index])));
+    const figures = (name, figure) => row(name, (residual) => element("td", {}, figure(residual.metrics)));
+    const judged = ({ holds }) => element("td", {}, element("span", {
+      class: `chip ${holds === null ? "open" : holds ? "good" : "bad"}`, title: "rms over the whole log, compared with its limit",
+    }, holds === null ? "no limit" : holds ? "within" : "above"));
+    fill(this.metrics, compared.length === 0 ? element("p", { class: "quiet" }, "Not compared yet.") : element("table", { class: "numbers dense", id: "metrics" },
+      element("thead", {}, element("tr", {}, ["", ...compared.map(({ name, residual }) => `${name} [${residual.unit}]`)].map((cell) => element("th", { scope: "col" }, cell)))),
+      element("tbody", {},
+        figures("samples", (metrics) => count(metrics.samples)), figures("rms", (metrics) => number(metrics.rms)),
+        figures("mean |e|", (metrics) => number(metrics.mean_absolute)), figures("bias", (metrics) => signed(metrics.bias)),
+        figures("std", (metrics) => number(metrics.standard_deviation)), figures("lowest", (metrics) => signed(metrics.lowest)),
+        figures("highest", (metrics) => signed(metrics.highest)),
+        row("limit of rms", ({ limit }) => element("td", {}, number(limit))), row("whole log", judged),
+        residuals.some((residual) => residual.band) && row("outside tolerance", ({ band }, { name }) => element("td", { data: { band: name } }, verdictOf(band))))));
   }
 
   /** Returns the plots from top to bottom. */
   panels() {
+    const rates = ratesOf(this.log.summary);
+    const rated = (name, title) => rates.has(name) ? `${title}, ${rates.get(name)}` : title;
     const shown = this.shown();
     const outputs = shown.filter((one) => !one.is_input).flatMap((signal) => [
-      { height: HEIGHT.signal, title: `${titled(signal.name)} [${signal.unit}]`, draw: (yaxis) => this.drawSignal(signal, yaxis) },
+      { height: HEIGHT.signal, title: rated(signal.name, `${titled(signal.name)} [${signal.unit}]`), draw: (yaxis) => this.drawSignal(signal, yaxis) },
       ...this.differences.panels(this, signal.name),
       ...signal.residual ? [{ height: HEIGHT.residual, title: `${signal.name}: measured − modelled [${signal.residual.unit}]`, ink: "label", draw: (yaxis) => this.drawResidual(signal.residual, yaxis) }] : [],
     ]);
     const inputs = shown.filter((one) => one.is_input);
     const duties = inputs.filter(isDuty);
-    const input = (signals, title) => ({ height: HEIGHT.input, title: `${title} [${signals[0].unit}]`, draw: (yaxis) => this.drawInput(signals, yaxis) });
+    const input = (signals, title) => ({ height: HEIGHT.input, title: rated(signals[0].name, `${title} [${signals[0].unit}]`), draw: (yaxis) => this.drawInput(signals, yaxis) });
     return [
       ...outputs,
       ...duties.length > 0 ? [input(duties, "duty cycles")] : [],
@@ -215,10 +233,35 @@ export class TimePlots extends TimeView {
 
   async paint() {
     const marks = { shapes: this.cursors.shapes(), annotations: this.cursors.labels() };
-    await this.drawStack(this.panels(), { title: "time in the log [s]", shapes: [...this.states(), ...this.selection(), ...marks.shapes], annotations: marks.annotations });
+    const panels = this.panels();
+    const heights = await this.drawStack(panels, { title: TIME_AXIS, shapes: [...this.states(), ...this.selection(), ...marks.shapes], annotations: marks.annotations });
+    this.dividers.take(panels, heights, FRAME.margin.t, FRAME.gap);
+    await this.drawTimeAxis();
     const { shapes, annotations } = this.chart.layout;
     this.showLegend();
     this.unmarked = { shapes: shapes.length - marks.shapes.length, annotations: annotations.length - marks.annotations.length };
+  }
+
+  /** Shares the height of the window among the rows. */
+  heights(panels) {
+    const { margin, gap } = FRAME;
+    return fitted(panels, this.scroller.clientHeight - margin.t - margin.b - gap * Math.max(0, panels.length - 1));
+  }
+
+  async drawTimeAxis() {
+    const { l, r, b } = FRAME.margin;
+    this.timeAxis.hidden = this.chart.layout.height <= this.scroller.clientHeight;
+    if (this.timeAxis.hidden) return;
+    const { from, to } = this.range();
+    await draw(this.timeAxis, [], layout({
+      height: b + 1, margin: { l, r, t: 0, b }, hovermode: false, xaxis: axis({ range: [from, to], title: { text: TIME_AXIS, standoff: 6 }, fixedrange: true }),
+      yaxis: axis({ visible: false, fixedrange: true }),
+    }));
+  }
+
+  async showRange() {
+    await super.showRange();
+    if (!this.timeAxis.hidden) await this.drawTimeAxis();
   }
 
   drawSignal(signal, yaxis) {
@@ -295,7 +338,10 @@ export class TimePlots extends TimeView {
     addEventListener("pointerup", (event) => {
       const moved = pressed ? Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) : Infinity;
       const at = this.timeAt(event);
-      if (moved < 4 && at) this.cursors.set(event.altKey ? "b" : "a", at.time);
+      if (moved < 4 && at) {
+        this.cursors.set(event.altKey ? "b" : "a", at.time);
+        this.onCursor();
+      }
       pressed = null;
     }, { capture: true, signal: this.ending.signal });
   }

@@ -15,7 +15,7 @@ export class Cursors {
     });
     this.fields = { a: field("a"), b: field("b") };
     this.body = element("div", { class: "scroll" });
-    this.element = element("section", { class: "card", "aria-labelledby": "cursors-title" },
+    this.element = element("section", { class: "stack tight", "aria-labelledby": "cursors-title" },
       element("h2", { id: "cursors-title" }, "Values"),
       element("p", { class: "row" },
         element("label", {}, element("b", { class: "cursor-a" }, "A "), this.fields.a, " s"),

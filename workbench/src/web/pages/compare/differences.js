@@ -18,7 +18,7 @@ export class Differences {
     const choice = element("select", { id: "between", on: { change: () => { view.set({ between: choice.value }); onChange(); } } },
       BETWEEN.map(([value, text]) => element("option", { value, selected: value === chosen }, text)));
     this.element = element("p", { class: "row", hidden: true }, element("label", {}, "Differences of the logs; interpolation of the other log: ", choice));
-    this.metrics = element("div", { class: "scroll" });
+    this.metrics = element("section", { class: "card scroll", hidden: true, "aria-label": "Differences of the logs" });
   }
 
   /** Fetches the plots for an overlaid log, in the range of `query`. */
@@ -45,6 +45,7 @@ export class Differences {
     const rows = overlays.flatMap(({ log, differences }) => differences.map(({ name, unit, metrics, between }) => element("tr", {}, element("th", { scope: "row" }, `${name} − ${log.name}`),
       (metrics ? [count(metrics.samples), number(metrics.rms), number(metrics.mean_absolute), signed(metrics.bias), number(metrics.standard_deviation), signed(metrics.lowest), signed(metrics.highest), unit] : ["no overlap", ...Array(6).fill("–"), unit]).map((cell) => element("td", {}, cell)),
       element("td", {}, between === "hold" ? "held" : "linear"))));
+    this.metrics.hidden = rows.length === 0;
     fill(this.metrics, rows.length > 0 && element("table", { class: "numbers dense", id: "differences" },
       element("caption", {}, "Differences of the logs within the visible range"),
       element("thead", {}, element("tr", {}, ["signal", "samples", "rms", "mean |d|", "bias", "std", "lowest", "highest", "unit", "between samples"].map((cell) => element("th", { scope: "col" }, cell)))),

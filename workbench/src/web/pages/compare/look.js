@@ -22,7 +22,7 @@ export const chooser = (name, entries, value, act) => element("select", { "aria-
 export class Look {
   constructor(title, id) {
     this.title = title;
-    this.chart = element("div", { class: "chart", id });
+    this.chart = element("div", { class: "chart", id, role: "img", "aria-label": `${title}: chart` });
     this.tools = element("div", { class: "row" });
     this.note = element("p", { class: "quiet" });
     this.element = element("section", { class: "card", "aria-label": title }, element("h2", {}, title), this.tools, this.chart, this.note);

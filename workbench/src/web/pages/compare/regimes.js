@@ -5,11 +5,12 @@ import { axis, clear, draw, label, layout } from "../../chart.js";
 import { button, element, fill } from "../../dom.js";
 import { count, number, percent, signed, titled } from "../../format.js";
 import { colour } from "../../theme.js";
+import { term } from "../../terms.js";
 import * as view from "../../view.js";
 
 /** Values that a cell can show. */
 const SHOWN = {
-  excess_share: { text: "share of the excess error", of: (error) => error.excess_share, format: (value) => Math.abs(value) < 0.0005 ? "0" : percent(value) },
+  excess_share: { text: "share of the excess error [%]", of: (error) => error.excess_share, format: (value) => Math.abs(value) < 0.0005 ? "0" : percent(value).replace(" %", "") },
   bias: { text: "mean error", of: (error) => error.bias, format: (value) => signed(value, 2) },
   rms: { text: "rms error", of: (error) => error.rms, format: (value) => number(value, 2) },
 };
@@ -17,13 +18,12 @@ const SHOWN = {
 export class Regimes {
   constructor(onSelect) {
     this.onSelect = onSelect;
-    this.chart = element("div", { class: "chart", id: "error-map" });
+    this.chart = element("div", { class: "chart", id: "error-map", role: "img", "aria-label": "Error map: error of the signal for each duty cycle and chamber pressure" });
     this.tables = element("div", { class: "tables" });
     this.picked = element("p", { class: "row", id: "picked", role: "status" });
     this.head = element("div", { class: "row" });
-    this.element = element("section", { class: "card", hidden: true, "aria-labelledby": "regimes-title" },
-      element("h2", { id: "regimes-title" }, "Error by regime"), this.head, this.picked,
-      element("div", { class: "columns" }, element("div", { class: "wide" }, this.chart), this.tables));
+    this.element = element("section", { class: "stack tight", hidden: true, "aria-labelledby": "regimes-title" },
+      element("h2", { id: "regimes-title" }, "Error by regime"), this.head, this.picked, this.chart, this.tables);
   }
 
   leave() { clear(this.chart); }
@@ -84,17 +84,18 @@ export class Regimes {
       hover[row][column] = label(`${count(cell.samples)} samples; bias ${signed(cell.error.bias, 3)}, rms ${number(cell.error.rms, 3)} ${signal.unit}; share of the excess ${percent(cell.error.excess_share)}`);
     }
     const largest = Math.max(1e-12, ...cells.map((cell) => Math.abs(shown.of(cell.error) ?? 0)));
+    const isWide = shown !== SHOWN.excess_share;
     const isSigned = shown === SHOWN.bias;
     const ground = colour("card");
     const scale = isSigned ? [[0, colour("fill")], [0.5, ground], [1, colour("model")]] : [[0, ground], [1, colour("model")]];
     const plotLayout = layout({
-      height: 90 + 30 * rows.length, margin: { l: 130, r: 10, t: 10, b: 48 }, dragmode: false, hovermode: "closest",
-      xaxis: axis({ title: { text: "chamber pressure of the model [bar gauge]" }, fixedrange: true, showgrid: false, type: "category" }),
+      height: 54 + 26 * rows.length, margin: { l: 92, r: 4, t: 6, b: 44 }, dragmode: false, hovermode: "closest",
+      xaxis: axis({ title: { text: "modelled pressure [bar gauge]" }, fixedrange: true, showgrid: false, type: "category" }),
       yaxis: axis({ fixedrange: true, showgrid: false, type: "category", autorange: "reversed" }),
     });
     draw(this.chart, [{
-      type: "heatmap", x: columns.map(label), y: rows.map(label), z, text, customdata: hover, texttemplate: "%{text}", hovertemplate: "%{y}, %{x}<br>%{customdata}<extra></extra>",
-      colorscale: scale, zmin: isSigned ? -largest : 0, zmax: largest, showscale: false, xgap: 2, ygap: 2, textfont: { size: 11 },
+      type: "heatmap", x: columns.map((band) => short(band).replace(" bar", "")), y: rows.map(short), z, text, customdata: hover, texttemplate: "%{text}", hovertemplate: "%{y}, %{x}<br>%{customdata}<extra></extra>",
+      colorscale: scale, zmin: isSigned ? -largest : 0, zmax: largest, showscale: false, xgap: 2, ygap: 2, textfont: { size: isWide ? 9 : 10 },
     }], plotLayout).then(() => {
       this.chart.removeAllListeners?.("plotly_click");
       this.chart.on("plotly_click", ({ points: [point] }) => {
@@ -116,8 +117,11 @@ export class Regimes {
         element("td", {}, signed(error.bias, 3)));
     });
     return element("details", { open: ["valve_state", "duty_band"].includes(regime.dimension) }, element("summary", {}, regime.title),
-      element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["", "samples", "of the excess", `bias [${signal.unit}]`].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)));
+      element("table", { class: "numbers" }, element("thead", {}, element("tr", {}, ["", "samples", term("excess error", "of the excess"), `bias [${signal.unit}]`].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)));
   }
 }
+
+/** Shortens the name of a band for the map: `70–90` for `70 to 90`, `< 30` for `below 30`. */
+const short = (band) => label(band.replace(" to ", "–").replace("below ", "< ").replace(/(\S+( %)?) and more/, "≥ $1"));
 
 const overLimit = (signal) => signal.limit ? signal.free_run.rms / signal.limit : 0;

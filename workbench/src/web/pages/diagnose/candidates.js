@@ -2,14 +2,15 @@
 
 import { button, element } from "../../dom.js";
 import { number, unitText } from "../../format.js";
+import { term } from "../../terms.js";
 
 export class Candidates {
   constructor(diagnosis, effects, onAdd) {
     Object.assign(this, { diagnosis, effects, onAdd });
     this.element = element("section", { class: "card", id: "candidates", "aria-label": "Candidates" },
       element("h2", {}, "Candidates"),
-      element("p", { class: "quiet" }, 
-        "Share of the excess error that each effect explains alone, with all parameters refitted. Named effects are coloured. Click for details."),
+      element("p", { class: "quiet" },
+        "Share of the ", term("excess error"), " that each effect explains alone, with all parameters refitted. Named effects are coloured. Click for details."),
       element("div", { class: "ranking" }, this.ranking().map((candidate, index) => this.row(candidate, index))));
   }
 
@@ -55,7 +56,7 @@ export class Candidates {
         fact("Form of the law", form && form.name !== "only" ? `${form.name}: ${form.about}` : "only one"),
         candidate.plausibility && fact("Plausibility", candidate.plausibility),
         fact("Detection limit", this.limit(candidate, false)),
-        fact("Evidence", `${number(candidate.evidence, 3)} (above 10: strong; below 0: against the effect)`),
+        fact(term("Evidence"), `${number(candidate.evidence, 3)} (above 10: strong; below 0: against the effect)`),
         about && fact("Excited by", about.excited_by),
         about && fact("Acts on", about.acts_on),
         isNamed && fact("Error without it", list(diagnosis.where.before) || "in no particular regime"),

@@ -6,6 +6,8 @@ import { number } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
 
+const PATH = "/next-experiment";
+
 /**
  * Returns the default question: the named effect and its nearest neighbour, or an effect below the detection limit of
  * the logs.
@@ -23,7 +25,7 @@ function question(diagnosis) {
 export class Experiment {
   constructor(diagnosis, effects) {
     Object.assign(this, { diagnosis, effects, next: null });
-    this.work = new Work("Planning");
+    this.work = new Work("Experiment plan", PATH);
     this.answer = element("div", { class: "stack" });
     this.chart = new DutyChart("next-plot");
     const [one, other] = question(diagnosis);
@@ -37,7 +39,7 @@ export class Experiment {
       element("div", { class: "row" },
         element("label", {}, "Distinguish ", this.first), element("label", {}, "from ", this.second),
         this.limits.elements,
-        button("Plan", () => this.plan(), { class: "primary", id: "plan" }), this.work.element),
+        button("Plan", () => this.plan(), { class: "primary", id: "plan" })),
       this.answer);
     this.begin();
   }
@@ -45,8 +47,9 @@ export class Experiment {
   /** Shows the experiment that was planned before. */
   async begin() {
     try {
-      const next = await api.get("/next-experiment");
+      const next = await api.get(PATH);
       if (next) this.take(next);
+      if (this.work.isRunning) await this.follow(this.work.resume());
     } catch (refusal) {
       showProblems(refusal, "Next experiment");
     }
@@ -57,9 +60,13 @@ export class Experiment {
       effects: [this.first.value, this.second.value].filter((id, index, all) => id && all.indexOf(id) === index),
       limits: this.limits.requested(),
     };
-    if (!await this.work.run("/next-experiment", request)) return;
+    await this.follow(this.work.run(PATH, request));
+  }
+
+  async follow(work) {
+    if (!await work) return;
     try {
-      this.take(await api.get("/next-experiment"));
+      this.take(await api.get(PATH));
     } catch (refusal) {
       showProblems(refusal, "Next experiment");
     }

@@ -31,7 +31,7 @@ export class Experiment {
   /** `selection` returns the log and the chosen logs of the page. */
   constructor(selection) {
     Object.assign(this, { selection, next: null });
-    this.work = new Work("Planning");
+    this.work = new Work("Experiment plan", PATH);
     this.limits = new LimitFields();
     this.chart = new DutyChart("determining-plot");
     this.answer = element("div", { class: "stack" });
@@ -39,7 +39,7 @@ export class Experiment {
       element("h2", {}, "Experiment to determine the parameters"),
       element("p", { class: "quiet" }, "Test signals within the limits are simulated with the estimated plant. The best one narrows the intervals most."),
       element("div", { class: "row" }, this.limits.elements,
-        button("Plan", () => this.plan(), { id: "plan-determining" }), this.work.element),
+        button("Plan", () => this.plan(), { id: "plan-determining" })),
       this.answer);
   }
 
@@ -55,7 +55,16 @@ export class Experiment {
   }
 
   async plan() {
-    if (await this.work.run(PATH, { ...this.selection(), limits: this.limits.requested() })) await this.take(true);
+    await this.follow(this.work.run(PATH, { ...this.selection(), limits: this.limits.requested() }));
+  }
+
+  /** Follows the plan that was begun when the page was shown before. */
+  async resume() {
+    if (this.work.isRunning) await this.follow(this.work.resume());
+  }
+
+  async follow(work) {
+    if (await work) await this.take(true);
   }
 
   show(next) {
