@@ -7,7 +7,7 @@ use recording::Recording;
 use crate::commands::Commands;
 use crate::conditions::LogConditions;
 use crate::error::CompareError;
-use crate::measured::{PRESSURE, measured_signals, start};
+use crate::measured::{LogAsRead, PRESSURE, measured_signals, start};
 use crate::metrics::{residual, rms};
 use crate::run::Setup;
 
@@ -49,7 +49,7 @@ pub fn free_run(
     let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let mut setup = Setup::new(parameters, (log, conditions), Tolerance::default())?;
-    let (measured, _) = measured_signals(parameters, (log, original), &commands)?;
+    let (measured, _) = measured_signals(parameters, LogAsRead { log, original }, &commands)?;
     let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
     let (_, level) = start(parameters, pressure, &commands);
     setup.begin_at(pressure, level);

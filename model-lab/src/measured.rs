@@ -108,13 +108,22 @@ impl Measured {
     }
 }
 
-/// Returns every signal of `log` that the model has, and those which have the name but cannot be compared. All signals of `log` have one
-/// time base; `original` is the log as it was read.
+/// Log in the two forms in which its signals are used.
+#[derive(Clone, Copy)]
+pub(crate) struct LogAsRead<'a> {
+    /// All signals on one time base.
+    pub(crate) log: &'a Recording,
+    /// Log as it was read.
+    pub(crate) original: &'a Recording,
+}
+
+/// Returns every signal of the log that the model has, and those which have the name but cannot be compared.
 pub(crate) fn measured_signals(
     parameters: &PlantParameters,
-    (log, original): (&Recording, &Recording),
+    read: LogAsRead<'_>,
     commands: &Commands,
 ) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
+    let LogAsRead { log, original } = read;
     let modelled: Vec<(&'static str, Unit)> = signals(parameters)
         .filter(|(name, _)| !INPUTS.contains(name))
         .collect();
@@ -159,14 +168,14 @@ pub(crate) fn measured_signals(
             commands,
         );
         let restarts = shown.map_or_else(Vec::new, |shown| {
-            restarts(&shown, (commands, floor.sigma), ambient)
+            restarts(&shown, commands, floor.sigma, ambient)
         });
         measured.push(Measured {
             name,
             unit,
             error_unit,
             interval_s: interval_s(&commands.times_s, &values),
-            own: own_base(name, (log, original)),
+            own: own_base(name, read),
             values: shared(original.signal(name).map(Signal::shared_values), values),
             floor,
             ambient,
@@ -207,11 +216,11 @@ pub(crate) fn measured_signals(
 
 /// Returns the time base of the signal `name` in the log as it was read, and the rows of its instants in the united log; none if these are
 /// all rows.
-fn own_base(
-    name: &str,
-    (united, original): (&Recording, &Recording),
-) -> Option<(TimeBase, Vec<usize>)> {
-    let (all, own) = (united.time_base_of(name)?, original.time_base_of(name)?);
+fn own_base(name: &str, read: LogAsRead<'_>) -> Option<(TimeBase, Vec<usize>)> {
+    let (all, own) = (
+        read.log.time_base_of(name)?,
+        read.original.time_base_of(name)?,
+    );
     (own != all).then(|| (own.clone(), own.rows_in(all)))
 }
 
@@ -236,7 +245,7 @@ fn take_out_vacuum(values: &mut [f64], ambient: f64) -> usize {
 
 /// Returns the rows at which the model restarts after each gap, from the measured pressures (bar gauge), also within gaps: every row from
 /// the first one with a command to the last one that counts in no error, so that a slow sensor follows the actual pressure.
-fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) -> Vec<Restart> {
+fn restarts(shown: &[f64], commands: &Commands, sigma: f64, ambient: f64) -> Vec<Restart> {
     let holds = commands.holds(0.0);
     let restart = |gap: &Gap| {
         let row = gap.rows.end.checked_sub(1)?;
@@ -247,7 +256,10 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
         let soon = commands.times_s.partition_point(|&time_s| time_s <= soon_s);
         let end = hold.map_or(row + 1, |hold| hold.end.min(soon).max(row + 1));
         let rows = row..end;
-        let still = (&commands.times_s[rows.clone()], &shown[rows.clone()]);
+        let still = Still {
+            times_s: &commands.times_s[rows.clone()],
+            values: &shown[rows.clone()],
+        };
         let level_bar = level_above_vacuum(still, sigma, ambient);
         let pressure = |level_bar: f64| level_bar * PA_PER_BAR + ambient;
         // None where a pressure of a lower rate has no sample there: then its last sample before counts.
@@ -271,20 +283,33 @@ fn restarts(shown: &[f64], (commands, sigma): (&Commands, f64), ambient: f64) ->
     commands.gaps.iter().filter_map(restart).flatten().collect()
 }
 
+/// Samples while nothing moves.
+#[derive(Clone, Copy)]
+struct Still<'a> {
+    times_s: &'a [f64],
+    /// Values; NaN if missing.
+    values: &'a [f64],
+}
+
 /// Returns the same as [`first_level`], but rejects a line that leads below vacuum.
-fn level_above_vacuum(still: (&[f64], &[f64]), sigma: f64, ambient: f64) -> Option<f64> {
+fn level_above_vacuum(still: Still<'_>, sigma: f64, ambient: f64) -> Option<f64> {
     let is_above = |level: &f64| *level * PA_PER_BAR + ambient >= least_pressure();
     let level = first_level(still, sigma).filter(is_above);
-    level.or_else(|| present(still.1).next())
+    level.or_else(|| present(still.values).next())
 }
 
 /// Returns the value at the first instant: the mean of the values, or the line through them where they drift by more than `sigma`. Of
 /// values on a curve, as those of gas that cools, only as many are used as lie on a line.
-fn first_level((times_s, values): (&[f64], &[f64]), sigma: f64) -> Option<f64> {
-    let line = Line::through((times_s, values))?;
+fn first_level(still: Still<'_>, sigma: f64) -> Option<f64> {
+    let line = Line::through(still)?;
+    let Still { times_s, values } = still;
     let half = values.len() / 2;
     if sigma > 0.0 && half >= FEWEST_OF_LINE && line.scatter > CURVED_SIGMAS * sigma {
-        return first_level((&times_s[..half], &values[..half]), sigma);
+        let first_half = Still {
+            times_s: &times_s[..half],
+            values: &values[..half],
+        };
+        return first_level(first_half, sigma);
     }
     let drifts = sigma > 0.0 && line.slope.abs() * line.spread_s > REST_SIGMAS * sigma;
     Some(match drifts {
@@ -307,7 +332,7 @@ struct Line {
 
 impl Line {
     /// Returns the least-squares line; none through no values. NaN is missing.
-    fn through((times_s, values): (&[f64], &[f64])) -> Option<Self> {
+    fn through(Still { times_s, values }: Still<'_>) -> Option<Self> {
         let mean = mean(values)?;
         let shown = || {
             let pairs = times_s.iter().zip(values);
@@ -355,7 +380,10 @@ pub(crate) fn start(
         .times_s
         .partition_point(|&time_s| time_s <= START_S);
     let rows = commands.rows_before_first_action().clamp(1, soon);
-    let still = (&commands.times_s[..rows], &pressure.values[..rows]);
+    let still = Still {
+        times_s: &commands.times_s[..rows],
+        values: &pressure.values[..rows],
+    };
     let ambient = parameters.gas.ambient_pressure_pa;
     let level = level_above_vacuum(still, pressure.floor.sigma, ambient);
     let Some(initial_bar) = level.or_else(|| present(&pressure.values).next()) else {
@@ -379,14 +407,17 @@ pub(crate) fn start(
 
 #[cfg(test)]
 mod tests {
-    use super::first_level;
+    use super::{Still, first_level};
 
     /// Gas after a fast filling loses half a bar while it cools. A line through a second of it began a quarter of a bar too low.
     #[test]
     fn the_first_level_of_cooling_gas_is_that_of_the_first_rows() {
         let times_s: Vec<f64> = (0..100).map(|row| f64::from(row) * 0.01).collect();
         let noise = |row: usize| 1e-3 * [1.0, -1.0, 0.5, -0.5][row % 4];
-        let level = |values: &[f64]| first_level((&times_s, values), 1e-3).unwrap();
+        let level = |values: &[f64]| {
+            let times_s = &times_s[..];
+            first_level(Still { times_s, values }, 1e-3).unwrap()
+        };
         let cooling = |(row, time_s): (usize, &f64)| 8.0 + 0.5 * (-time_s / 0.3).exp() + noise(row);
         let cooling: Vec<f64> = times_s.iter().enumerate().map(cooling).collect();
         assert!((level(&cooling) - 8.5).abs() < 0.01, "{}", level(&cooling));

@@ -1,7 +1,7 @@
 //! Result of a comparison, as in its JSON.
 
 use plant_sim::logger_clock::LoggerClock;
-use recording::{Recording, Unit};
+use recording::{Recording, Samples, Unit};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
@@ -120,6 +120,16 @@ pub(crate) fn error_unit(unit: Unit) -> Unit {
 pub struct Residual<'a> {
     measured: &'a [f64],
     modelled: &'a [f64],
+}
+
+impl Samples for Residual<'_> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn value(&self, row: usize) -> f64 {
+        self.at(row)
+    }
 }
 
 impl<'a> Residual<'a> {

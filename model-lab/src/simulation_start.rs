@@ -9,7 +9,7 @@ use crate::commands::Commands;
 use crate::conditions::{Conditions, LogConditions, StartGas};
 use crate::error::CompareError;
 use crate::log_start::LogStart;
-use crate::measured::{PRESSURE, measured_signals, start};
+use crate::measured::{LogAsRead, PRESSURE, measured_signals, start};
 
 /// State in which a simulation begins. Currents and armatures are at rest: under the first command of the log where it begins with a filled
 /// chamber, otherwise without current.
@@ -79,7 +79,7 @@ impl SimulationStart {
         let inputs = Inputs::of(parameters, log)?;
         let commands = Commands::new(parameters, log)?;
         // A log without measured signals contains commands alone.
-        let measured = measured_signals(parameters, (log, original), &commands);
+        let measured = measured_signals(parameters, LogAsRead { log, original }, &commands);
         let (measured, _) = measured.unwrap_or_default();
         let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let (found, level) = start(parameters, pressure, &commands);

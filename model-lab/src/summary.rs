@@ -2,22 +2,31 @@ use crate::metrics::{fit_pct, mean, rms, worst};
 use crate::result::{ErrorSummary, Horizon};
 use crate::whiteness::{Input, Whiteness};
 
-/// Returns all measures of one residual. `floors` are the noise floor and the rms of a perfect model, 0 where unknown.
+/// Errors that are unavoidable, in the unit of the signal; 0 where unknown.
+#[derive(Clone, Copy)]
+pub(crate) struct Floors {
+    /// Standard deviation of the measurement noise.
+    pub(crate) noise: f64,
+    /// Rms error of a perfect model.
+    pub(crate) expected_rms: f64,
+}
+
+/// Returns all measures of one residual.
 pub(crate) fn summary(
     residual: &[f64],
     measured: &[f64],
     times_s: &[f64],
-    (floor, expected): (f64, f64),
+    floors: Floors,
     inputs: &[Input],
     horizon: Horizon,
 ) -> ErrorSummary {
     let rms = rms(residual).unwrap_or_default();
     let (worst_index, worst) = worst(residual).unwrap_or_default();
     let whiteness = Whiteness::of(residual);
-    let in_noise = |error: f64| (floor > 0.0).then(|| error / floor);
+    let in_noise = |error: f64| (floors.noise > 0.0).then(|| error / floors.noise);
     ErrorSummary {
         rms,
-        expected_rms: (expected > 0.0).then_some(expected),
+        expected_rms: (floors.expected_rms > 0.0).then_some(floors.expected_rms),
         rms_in_noise: in_noise(rms),
         worst,
         worst_in_noise: in_noise(worst.abs()),

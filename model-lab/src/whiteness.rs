@@ -188,7 +188,17 @@ impl<'a> Whiteness<'a> {
                 input: input.name.to_owned(),
                 rho,
                 lag_samples,
-                bound_99: chance_bound((residual, memory), (values, memory_of_input), lags)?,
+                bound_99: chance_bound(
+                    WithMemory {
+                        sequence: residual,
+                        memory,
+                    },
+                    WithMemory {
+                        sequence: values,
+                        memory: memory_of_input,
+                    },
+                    lags,
+                )?,
             })
         };
         inputs.iter().filter_map(correlation).collect()
@@ -233,24 +243,28 @@ fn summed_within_window(autocorrelations: impl Iterator<Item = f64>) -> f64 {
     time
 }
 
+/// Sequence with its autocorrelations, from lag 1.
+#[derive(Clone, Copy)]
+struct WithMemory<'a> {
+    sequence: &'a Centred<'a>,
+    memory: &'a [f64],
+}
+
 /// Returns the magnitude that a chance correlation rarely exceeds (Bartlett): two independent sequences correlate with variance Σ ρ_a ρ_b /
 /// n, more than 1 / n where both are autocorrelated. The significance level is divided among the lags that are searched.
-fn chance_bound(
-    (a, memory_of_a): (&Centred, &[f64]),
-    (b, memory_of_b): (&Centred, &[f64]),
-    lags: usize,
-) -> Option<f64> {
-    let longest = a.longest_lag().min(b.longest_lag());
+fn chance_bound(a: WithMemory<'_>, b: WithMemory<'_>, lags: usize) -> Option<f64> {
+    let longest = a.sequence.longest_lag().min(b.sequence.longest_lag());
     let memory: f64 = (1..=longest)
-        .zip(memory_of_a)
-        .zip(memory_of_b)
+        .zip(a.memory)
+        .zip(b.memory)
         .map(|((lag, rho_a), rho_b)| {
             // A triangular window keeps the scatter of far lags out of the sum.
             let weight = 1.0 - lag as f64 / (longest + 1) as f64;
             2.0 * weight * rho_a * rho_b
         })
         .sum();
-    let deviation = ((1.0 + memory).max(1.0) / a.count.min(b.count) as f64).sqrt();
+    let deviation =
+        ((1.0 + memory).max(1.0) / a.sequence.count.min(b.sequence.count) as f64).sqrt();
     let tail = 0.01 / (2.0 * (lags + 1) as f64);
     Some((Normal::new(0.0, deviation).ok()?.inverse_cdf(1.0 - tail)).min(1.0))
 }

@@ -8,7 +8,7 @@ pub enum Drive {
     Energised(f64),
     /// The output is low and the current circulates through the freewheeling diode, whose drop (V) opposes it (equation
     /// 3.5).
-    FreeWheeling(f64),
+    Freewheeling(f64),
     /// The output is low and the current has decayed to zero: the diode blocks.
     Blocked,
 }
@@ -50,7 +50,7 @@ impl Coil {
                 steady: voltage / self.resistance,
                 time_constant: self.inductance(x) / self.resistance,
             },
-            None => RestingCurrent::EXTINCT,
+            None => RestingCurrent::DECAYED,
         }
     }
 }
@@ -61,7 +61,7 @@ impl Drive {
     pub fn voltage(self) -> Option<f64> {
         match self {
             Self::Energised(supply) => Some(supply),
-            Self::FreeWheeling(drop) => Some(-drop),
+            Self::Freewheeling(drop) => Some(-drop),
             Self::Blocked => None,
         }
     }
@@ -76,7 +76,7 @@ pub struct RestingCurrent {
 }
 
 impl RestingCurrent {
-    pub(crate) const EXTINCT: Self = Self {
+    pub(crate) const DECAYED: Self = Self {
         initial: 0.0,
         steady: 0.0,
         time_constant: 1.0,
@@ -139,8 +139,8 @@ mod tests {
     }
 
     #[test]
-    fn free_wheeling_ends_when_the_diode_blocks() {
-        let current = coil().at_rest(Drive::FreeWheeling(0.8), 0.292, 0.5e-3);
+    fn freewheeling_ends_when_the_diode_blocks() {
+        let current = coil().at_rest(Drive::Freewheeling(0.8), 0.292, 0.5e-3);
         let end = coil().inductance(0.5e-3) / 82.2 * (1.0 + 0.292 * 82.2 / 0.8_f64).ln();
         assert!(current.at(end * 0.999) > 0.0);
         assert_eq!(current.at(end * 1.001), 0.0);
@@ -151,7 +151,7 @@ mod tests {
     fn charge_agrees_with_quadrature_also_after_the_current_decayed() {
         for (drive, start) in [
             (Drive::Energised(24.0), 0.05),
-            (Drive::FreeWheeling(0.8), 0.2),
+            (Drive::Freewheeling(0.8), 0.2),
             (Drive::Blocked, 0.0),
         ] {
             let current = coil().at_rest(drive, start, 0.0);

@@ -20,6 +20,7 @@ mod signal;
 mod start_time;
 pub mod table;
 mod time_base;
+mod trace;
 mod unit;
 mod united;
 mod values;
@@ -43,6 +44,7 @@ pub use recording::{AddSignalError, LeftOut, MissingSignal, Recording, TimeBaseI
 pub use signal::Signal;
 pub use start_time::{Clock, StartTime};
 pub use time_base::{Gap, Sampling, TimeBase, TimeBaseError, median_step_s};
+pub use trace::{Pyramid, Samples, Trace};
 pub use unit::{ConversionError, Converter, PressureReference, STANDARD_ATMOSPHERE_PA, Unit};
 pub use united::{OwnSamples, own_rows};
 pub use values::ColumnValues;

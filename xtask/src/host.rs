@@ -113,7 +113,8 @@ fn examples() -> Result<(), Failure> {
 /// Returns the examples that cargo finds by itself: `CRATE/examples/NAME.rs` and `CRATE/examples/NAME/main.rs`.
 fn example_names() -> Result<Vec<PathBuf>, Failure> {
     let mut names = Vec::new();
-    for member in entries(&root())? {
+    let folders = [entries(&root())?, entries(&root().join("evidence"))?].concat();
+    for member in folders {
         let folder = member.join("examples");
         if !member.join("Cargo.toml").is_file() || !folder.is_dir() {
             continue;

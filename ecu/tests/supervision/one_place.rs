@@ -10,10 +10,13 @@ use ecu::{EcuField, Fault};
 /// Folder of the repository.
 const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
+/// Folder of the crates that are evidence.
+const EVIDENCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../evidence");
+
 /// Source that uses settings but passes none on: the controllers in C, the configurations of the self-test, the bounds of
 /// a rig and the faults of a campaign.
 const USES: [&str; 4] = [
-    "budgets/src/",
+    "evidence/budgets/src/",
     "firmware/src/self_test/",
     "hil-harness/src/supervision.rs",
     "hil-harness/src/campaign/",
@@ -34,10 +37,12 @@ impl Source {
 /// Returns the source files of the crates: those in `src` without their tests, or those in `tests`.
 fn sources(folder: &str) -> Vec<Source> {
     let mut files = Vec::new();
-    for entry in fs::read_dir(REPOSITORY).unwrap() {
-        let path = entry.unwrap().path().join(folder);
-        if path.is_dir() {
-            collect(&path, &mut files);
+    for parent in [REPOSITORY, EVIDENCE] {
+        for entry in fs::read_dir(parent).unwrap() {
+            let path = entry.unwrap().path().join(folder);
+            if path.is_dir() {
+                collect(&path, &mut files);
+            }
         }
     }
     assert!(files.len() > 10, "{} files", files.len());

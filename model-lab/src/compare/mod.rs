@@ -10,7 +10,7 @@ use recording::{OwnSamples, Provenance, Recording, TimeBase, Unit};
 use crate::commands::{Commands, DUTIES, shared};
 use crate::conditions::LogConditions;
 use crate::error::CompareError;
-use crate::measured::{Measured, PRESSURE, measured_signals, start};
+use crate::measured::{LogAsRead, Measured, PRESSURE, measured_signals, start};
 use crate::metrics::picked;
 use crate::noise_floor::Floor;
 use crate::offset::{FineTrace, time_offset};
@@ -22,7 +22,7 @@ use crate::result::{
     Traces, Verdict, WarningKind,
 };
 use crate::run::{FineRun, OwnInstants, Setup};
-use crate::summary::summary;
+use crate::summary::{Floors, summary};
 use crate::warning::{misaligned, warnings};
 use crate::whiteness::Input;
 
@@ -51,7 +51,8 @@ pub fn compare_under(
     let parameters = &*surroundings.around(parameters);
     let commands = Commands::new(parameters, log)?;
     let setup = Setup::new(parameters, (log, conditions), options.tolerance)?;
-    let (measured, not_compared) = measured_signals(parameters, (log, original), &commands)?;
+    let (measured, not_compared) =
+        measured_signals(parameters, LogAsRead { log, original }, &commands)?;
     let is_measured = |name: &str| measured.iter().any(|signal| signal.name == name);
     let mut setup = setup.watched(goes_on, OFFSET_ROWS).keeping(is_measured);
     options.check_tolerances(&measured)?;
@@ -254,7 +255,10 @@ impl Lab<'_> {
         let summary = |errors: Residual, expected, horizon| {
             let times_s = self.setup.base.times_s();
             let errors: Vec<f64> = errors.iter().collect();
-            let floors = (sigma, expected);
+            let floors = Floors {
+                noise: sigma,
+                expected_rms: expected,
+            };
             let Some(own) = OwnSamples::of(times_s, &signal.values) else {
                 let values = &signal.values;
                 return summary(&errors, values, times_s, floors, &self.inputs, horizon);

@@ -63,7 +63,7 @@ pub struct Additions {
     /// Voltage loss of the battery under a lasting current.
     pub polarisation: Option<Polarisation>,
     /// Resistance in the freewheeling loop only (Ω).
-    pub free_wheel_resistance: f64,
+    pub freewheeling_resistance: f64,
     /// Warming of the coils or their surroundings.
     pub heating: Option<Heating>,
     /// Dry friction of the armatures.

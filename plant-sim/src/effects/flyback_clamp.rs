@@ -44,7 +44,7 @@ impl Effect for FlybackClamp {
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
         plant.diode_drop += setting.get("extra_drop_v").unwrap_or(0.0);
-        plant.additions.free_wheel_resistance = setting.get("resistance_ohm").unwrap_or(0.0);
+        plant.additions.freewheeling_resistance = setting.get("resistance_ohm").unwrap_or(0.0);
     }
 }
 

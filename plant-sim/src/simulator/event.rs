@@ -1,6 +1,6 @@
 //! Events that end a step early, and their consequences.
 
-use super::physics::Physics;
+use super::physics::{Physics, WithinStep};
 use super::smooth::Smooth;
 use super::solver::{SHORTEST_EVENT, Solver};
 use super::span::{Span, first_of};
@@ -69,9 +69,13 @@ impl<P: Physics> Solver<P> {
             self.physics.breakaway_force_within(
                 index,
                 &self.state.valves[index],
-                (smooth, span),
-                (&pressure, &currents[index]),
-                t,
+                WithinStep {
+                    smooth,
+                    span,
+                    pressure: &pressure,
+                    current: &currents[index],
+                    time: t,
+                },
             )
         };
         if let Some((time, index)) = self.first_breakaway(h, force) {
@@ -109,7 +113,7 @@ impl<P: Physics> Solver<P> {
                     offer(time, Event::Halts(index));
                 }
             }
-            if let Some(time) = self.physics.zero_current_time(smooth, span, slot) {
+            if let Some(time) = self.physics.time_of_zero_current(smooth, span, slot) {
                 offer(time, Event::CurrentDecayed(index));
             }
         }
@@ -121,7 +125,7 @@ impl<P: Physics> Solver<P> {
             Event::BreaksAway(index) => self.state.valves[index].motion = Motion::Moving,
             Event::CurrentDecayed(index) => {
                 let valve = &mut self.state.valves[index];
-                self.physics.current_ended(index, valve.drive);
+                self.physics.after_current_ended(index, valve.drive);
                 valve.current = 0.0;
                 valve.drive = Drive::Blocked;
             }
@@ -150,7 +154,9 @@ impl<P: Physics> Solver<P> {
                     motion: stop,
                     ..*valve
                 };
-                valve.v = self.physics.rebound(index, &arrived, self.state.pressure);
+                valve.v = self
+                    .physics
+                    .velocity_after_stop(index, &arrived, self.state.pressure);
                 if valve.v == 0.0 {
                     valve.motion = stop;
                 }

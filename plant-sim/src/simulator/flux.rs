@@ -41,7 +41,7 @@ pub(super) fn magnetising_current(plant: &Plant, index: usize, flux: f64, x: f64
 pub(super) fn loop_resistance(plant: &Plant, index: usize, drive: Drive) -> f64 {
     let coil = plant.valves[index].coil.resistance;
     match drive {
-        Drive::FreeWheeling(_) => coil + plant.additions.free_wheel_resistance,
+        Drive::Freewheeling(_) => coil + plant.additions.freewheeling_resistance,
         Drive::Energised(_) | Drive::Blocked => coil,
     }
 }

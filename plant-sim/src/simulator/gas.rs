@@ -95,16 +95,46 @@ fn narrowed(plant: &Plant, index: usize, area: f64) -> f64 {
     area * orifice.effective_area / area.hypot(orifice.effective_area)
 }
 
-/// Returns the mass flow through a valve with opening `open` (m²), including series restrictions, and the pressure drop
-/// over the valve.
+/// Opening of a valve.
+#[derive(Clone, Copy)]
+pub(super) struct Opening {
+    /// Index of the valve.
+    pub(super) valve: usize,
+    /// Effective area (m²); negative beyond the seat within a step.
+    pub(super) area: f64,
+}
+
+impl Opening {
+    fn negated(self) -> Self {
+        Self {
+            area: -self.area,
+            ..self
+        }
+    }
+}
+
+/// Gas in the chamber.
+#[derive(Clone, Copy)]
+pub(super) struct ChamberNow {
+    /// Pressure (Pa abs).
+    pub(super) pressure: f64,
+    /// Last share of its travel of a plunger that follows the pressure at once (0 to 1).
+    pub(super) swept: f64,
+}
+
+/// Returns the mass flow through a valve, including series restrictions, and the pressure drop over the valve.
 #[inline]
 fn through_valve(
     plant: &Plant,
     layout: &Layout,
-    (index, open): (usize, f64),
+    opening: Opening,
     upstream: f64,
     downstream: f64,
 ) -> (f64, f64) {
+    let Opening {
+        valve: index,
+        area: open,
+    } = opening;
     if layout.is_alone[index] || open == 0.0 {
         let flow = plant.valves[index]
             .nozzle
@@ -112,23 +142,19 @@ fn through_valve(
         (flow, upstream - downstream)
     } else if open < 0.0 {
         // Beyond the seat within a step, the law is continued smoothly, like the area.
-        let (flow, drop) = through_orifices(plant, (index, -open), upstream, downstream);
+        let (flow, drop) = through_orifices(plant, opening.negated(), upstream, downstream);
         (-flow, drop)
     } else {
-        through_orifices(plant, (index, open), upstream, downstream)
+        through_orifices(plant, opening, upstream, downstream)
     }
 }
 
 /// Returns mass flow and pressure drop of a valve whose flow other orifices limit as well.
-fn through_orifices(
-    plant: &Plant,
-    (index, open): (usize, f64),
-    upstream: f64,
-    downstream: f64,
-) -> (f64, f64) {
+fn through_orifices(plant: &Plant, opening: Opening, upstream: f64, downstream: f64) -> (f64, f64) {
     let additions = &plant.additions;
+    let index = opening.valve;
     let nozzle = &plant.valves[index].nozzle;
-    let area = narrowed(plant, index, open);
+    let area = narrowed(plant, index, opening.area);
     let behind = additions.restrictions[index];
     // A line without volume is an orifice upstream of the fill valve.
     let before = additions
@@ -196,16 +222,17 @@ pub(super) fn resting_pressure(
     }
 }
 
-/// Returns the pressure drop over an armature (Pa) while its valve has the opening `area` (m²).
+/// Returns the pressure drop over an armature (Pa) while its valve has this opening.
 pub(super) fn pressure_drop(
     plant: &Plant,
     layout: &Layout,
-    (index, area): (usize, f64),
+    opening: Opening,
     pressure: f64,
     extra: &[f64],
     now: Option<&Now>,
 ) -> f64 {
-    let area = scaled(plant, index, area, now);
+    let index = opening.valve;
+    let area = scaled(plant, index, opening.area, now);
     let (upstream, downstream) = if index == FILL {
         (source(plant, layout, extra, now), pressure)
     } else {
@@ -214,11 +241,13 @@ pub(super) fn pressure_drop(
     if layout.is_alone[index] || area == 0.0 {
         return upstream - downstream;
     }
-    through_valve(plant, layout, (index, area), upstream, downstream).1
+    let opening = Opening { area, ..opening };
+    through_valve(plant, layout, opening, upstream, downstream).1
 }
 
 /// Returns the volume of the gas while the pressure rises or falls.
-fn volume(plant: &Plant, (swept, pressure): (f64, f64), rises: bool, now: Option<&Now>) -> Volume {
+fn volume(plant: &Plant, chamber: ChamberNow, rises: bool, now: Option<&Now>) -> Volume {
+    let ChamberNow { pressure, swept } = chamber;
     let additions = &plant.additions;
     let swept = additions.plunger.map_or(Volume::NONE, |plunger| {
         plunger.volume(swept, pressure, rises)
@@ -266,13 +295,14 @@ fn second_chamber(
     plant: &Plant,
     layout: &Layout,
     cavity: &Cavity,
-    (pressure, index): (f64, usize),
+    pressure: f64,
     leak: f64,
     extra: &[f64],
     extra_rates: &mut [f64],
 ) -> Second {
-    let (Some(heat), Some(first), Some(second)) = (
+    let (Some(heat), Some(index), Some(first), Some(second)) = (
         plant.additions.wall_heat,
+        layout.cavity,
         layout.temperature,
         layout.second_temperature,
     ) else {
@@ -308,31 +338,36 @@ fn second_chamber(
     }
 }
 
-/// Returns the flows, and the rates of the pressure and of the states of effects; `swept` is the last share of its
-/// travel of a plunger that follows at once.
+/// Returns the flows, and the rates of the pressure and of the states of effects.
 #[inline]
 pub(super) fn rates(
     plant: &Plant,
     layout: &Layout,
     areas: [f64; 2],
-    (pressure, swept): (f64, f64),
+    chamber: ChamberNow,
     now: Option<&Now>,
     extra: &[f64],
     extra_rates: &mut [f64],
 ) -> GasNow {
+    let ChamberNow { pressure, swept } = chamber;
     let additions = &plant.additions;
     let nozzle = &plant.nozzle;
     let areas = [FILL, VENT].map(|index| scaled(plant, index, areas[index], now));
     let plain = plant.chamber.pressure_per_mass;
     let source = source(plant, layout, extra, now);
     let swept = layout.plunger.map_or(swept, |plunger| extra[plunger]);
+    let chamber = ChamberNow { pressure, swept };
     if let (Some(index), Some(plunger)) = (layout.plunger, &additions.plunger) {
         extra_rates[index] = plunger.rate(swept, pressure);
     }
 
-    let (fill, fill_drop) = through_valve(plant, layout, (FILL, areas[FILL]), source, pressure);
+    let opening = |valve: usize| Opening {
+        valve,
+        area: areas[valve],
+    };
+    let (fill, fill_drop) = through_valve(plant, layout, opening(FILL), source, pressure);
     let sink = sink(plant, layout, extra);
-    let (vent, vent_drop) = through_valve(plant, layout, (VENT, areas[VENT]), pressure, sink);
+    let (vent, vent_drop) = through_valve(plant, layout, opening(VENT), pressure, sink);
     let seat = additions.leaks[1].map_or(0.0, |leak| leak.mass_flow(nozzle, source, pressure));
     let far = match (&additions.cavity, layout.cavity) {
         (Some(cavity), Some(index)) if cavity.has_the_leak => Some(extra[index]),
@@ -344,9 +379,8 @@ pub(super) fn rates(
     let own = now.map_or(0.0, |now| hooks::sum(&additions.hooks.inflow, now));
     let mut cavity_warmth = 0.0;
     let cavity = match (&additions.cavity, layout.cavity) {
-        (Some(cavity), Some(index)) if layout.second_temperature.is_some() => {
-            let states = (pressure, index);
-            let second = second_chamber(plant, layout, cavity, states, leak, extra, extra_rates);
+        (Some(cavity), Some(_)) if layout.second_temperature.is_some() => {
+            let second = second_chamber(plant, layout, cavity, pressure, leak, extra, extra_rates);
             cavity_warmth = second.warmth;
             second.inflow
         }
@@ -393,7 +427,7 @@ pub(super) fn rates(
             let balance = Balance {
                 inflow,
                 outflow,
-                volume: volume(plant, (swept, pressure), power > 0.0, now),
+                volume: volume(plant, chamber, power > 0.0, now),
             };
             let [rate, temperature_rate, wall_rate] =
                 heat.rates(&balance, power, pressure, temperature, wall);
@@ -404,7 +438,7 @@ pub(super) fn rates(
             rate
         }
         _ => {
-            let volume = volume(plant, (swept, pressure), inflow > outflow, now);
+            let volume = volume(plant, chamber, inflow > outflow, now);
             let stretched = (volume.size + pressure * volume.compliance) / plant.chamber.volume;
             let thinned = pressure * volume.growth / plant.chamber.volume;
             (plain * (inflow - outflow) - thinned) / stretched

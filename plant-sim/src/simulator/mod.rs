@@ -396,8 +396,8 @@ fn drive<P: Physics>(solver: &mut Solver<P>, high: [bool; 2], supply_voltage: f6
         let valve = &mut solver.state.valves[index];
         valve.drive = if high {
             Drive::Energised(supply_voltage)
-        } else if solver.physics.free_wheels(index, valve) {
-            Drive::FreeWheeling(solver.physics.plant().diode_drop)
+        } else if solver.physics.current_freewheels(index, valve) {
+            Drive::Freewheeling(solver.physics.plant().diode_drop)
         } else {
             Drive::Blocked
         };

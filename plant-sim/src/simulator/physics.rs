@@ -23,7 +23,21 @@ pub(super) const FEW: usize = 2;
 /// Capacity of [`Width::Many`] (states).
 pub(super) const MANY: usize = 12;
 
-/// Physics between two events.
+/// Instant within a step that was just computed.
+#[derive(Clone, Copy)]
+pub(super) struct WithinStep<'a, const N: usize, const M: usize> {
+    pub(super) smooth: &'a Smooth<M>,
+    pub(super) span: &'a Span<N, M>,
+    /// Pressure over the step (Pa).
+    pub(super) pressure: &'a Cubic,
+    /// Current of the resting coil in question over the step (A).
+    pub(super) current: &'a RestingCurrent,
+    /// Time since the begin of the step (s).
+    pub(super) time: f64,
+}
+
+/// Physics between two events. Three kinds of methods follow each other: what the solver asks before a step, what it asks
+/// in each stage and at the end of a step, and `after_...`, which it calls once for each accepted interval or event.
 pub(super) trait Physics: Sized {
     /// Whether some parameters make it stiff: the explicit method is then monitored.
     const MAY_BE_STIFF: bool = false;
@@ -32,32 +46,40 @@ pub(super) trait Physics: Sized {
 
     fn plant_mut(&mut self) -> &mut Plant;
 
-    /// Longest step of the pressure alone (s).
+    // Before a step.
+
+    /// Returns the longest step of the pressure alone (s).
     #[inline(always)]
-    fn longest_flow_step(&self) -> f64 {
+    fn longest_flow_step_s(&self) -> f64 {
         5e-3
     }
 
+    /// Returns the compiled capacity for the states that effects add.
     #[inline(always)]
-    fn width(&self) -> Width {
+    fn effect_states_width(&self) -> Width {
         Width::None
     }
 
     /// Returns whether the states of a valve have to be integrated: it moves, or its current has no closed form.
     #[inline(always)]
-    fn is_live(&self, _: usize, valve: &ValveState) -> bool {
+    fn must_be_integrated(&self, _: usize, valve: &ValveState) -> bool {
         valve.motion == Motion::Moving
     }
 
-    /// Returns the current of a valve that is not live.
+    /// Returns the current over time of a coil whose valve need not be integrated.
     #[inline(always)]
-    fn resting_current(&self, index: usize, valve: &ValveState) -> RestingCurrent {
+    fn current_of_resting_coil(&self, index: usize, valve: &ValveState) -> RestingCurrent {
         self.plant().valves[index].resting_current(valve)
     }
 
-    /// Returns the pressure while no valve is live, with the valves' effective areas (m²).
+    /// Returns the pressure over time while no valve must be integrated, with the valves' effective areas (m²); `None` if it
+    /// has no closed form.
     #[inline(always)]
-    fn resting_pressure(&self, areas: [f64; 2], pressure: f64) -> Option<RestingPressure> {
+    fn pressure_at_resting_valves(
+        &self,
+        areas: [f64; 2],
+        pressure: f64,
+    ) -> Option<RestingPressure> {
         RestingPressure::of(self.plant(), areas, pressure)
     }
 
@@ -82,22 +104,21 @@ pub(super) trait Physics: Sized {
         self.breakaway_force(index, valve, valve.current, pressure, &[])
     }
 
-    /// Returns the breakaway force at `time` within a step, at the pressure `pressure`.
+    /// Returns the breakaway force of a resting armature within a step.
     #[inline(always)]
     fn breakaway_force_within<const N: usize, const M: usize>(
         &self,
         index: usize,
         valve: &ValveState,
-        _: (&Smooth<M>, &Span<N, M>),
-        (pressure, current): (&Cubic, &RestingCurrent),
-        time: f64,
+        at: WithinStep<'_, N, M>,
     ) -> f64 {
-        self.breakaway_force(index, valve, current.at(time), pressure.at(time), &[])
+        let (current, pressure) = (at.current.at(at.time), at.pressure.at(at.time));
+        self.breakaway_force(index, valve, current, pressure, &[])
     }
 
     /// Returns the direction in which a live armature moves: 1 or -1, and 0 at rest. Only friction needs the sign.
     #[inline(always)]
-    fn direction(&self, _: usize, _: &ValveState, _: f64) -> f64 {
+    fn direction_of_motion(&self, _: usize, _: &ValveState, _: f64) -> f64 {
         1.0
     }
 
@@ -109,23 +130,25 @@ pub(super) trait Physics: Sized {
 
     /// Returns the velocity (m/s) after the armature met the stop of `arrived`; 0 if it stays there.
     #[inline(always)]
-    fn rebound(&self, _: usize, _arrived: &ValveState, _pressure: f64) -> f64 {
+    fn velocity_after_stop(&self, _: usize, _arrived: &ValveState, _pressure: f64) -> f64 {
         0.0
     }
 
-    /// Returns the integrated states of a live valve.
+    /// Returns the states of a live valve at the begin of a step: current (A) or flux linkage (V s), lift (m), velocity (m/s).
     #[inline(always)]
-    fn pack(&self, _: usize, valve: &ValveState) -> [f64; 3] {
+    fn integrated_states(&self, _: usize, valve: &ValveState) -> [f64; 3] {
         [valve.current, valve.x, valve.v]
     }
 
-    /// Returns the states that effects add.
+    /// Returns the states that effects add, at the begin of a step.
     #[inline(always)]
-    fn extra(&self) -> &[f64] {
+    fn effect_states(&self) -> &[f64] {
         &[]
     }
 
-    /// Returns the right-hand side.
+    // In each stage and at the end of a step.
+
+    /// Returns the right-hand side: the rates of change of the states `y`.
     #[inline(always)]
     fn rates<const N: usize, const M: usize>(&self, smooth: &Smooth<M>, y: &[f64; N]) -> [f64; N] {
         let plant = self.plant();
@@ -148,28 +171,34 @@ pub(super) trait Physics: Sized {
 
     /// Returns the largest local error in units of the tolerance.
     #[inline(always)]
-    fn measure<const N: usize, const M: usize>(&self, weights: &Weights, error: &[f64; N]) -> f64 {
+    fn error_in_tolerances<const N: usize, const M: usize>(
+        &self,
+        weights: &Weights,
+        error: &[f64; N],
+    ) -> f64 {
         weights.measure::<N, M>(error)
     }
 
     /// Returns the time within a step at which the current of a coil without supply ends, if it does.
     #[inline(always)]
-    fn zero_current_time<const N: usize, const M: usize>(
+    fn time_of_zero_current<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
         slot: usize,
     ) -> Option<f64> {
-        let free_wheels = matches!(smooth.drives[slot], Drive::FreeWheeling(_));
-        (free_wheels && span.end[first_of(slot)] < 0.0).then(|| {
+        let freewheels = matches!(smooth.drives[slot], Drive::Freewheeling(_));
+        (freewheels && span.end[first_of(slot)] < 0.0).then(|| {
             let current = span.current(slot);
             crate::solver::root::first_positive(|t| -current.at(t), 0.0, span.h)
         })
     }
 
+    // After a step, an interval or an event.
+
     /// Takes over the live valves after `taken` (s), and accounts for their charge.
     #[inline(always)]
-    fn commit_valves<const N: usize, const M: usize>(
+    fn after_step_of_valves<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
@@ -194,7 +223,7 @@ pub(super) trait Physics: Sized {
 
     /// Takes over the rest of an integrated interval: the pressure and the states of effects.
     #[inline(always)]
-    fn commit_step<const N: usize, const M: usize>(
+    fn after_step<const N: usize, const M: usize>(
         &mut self,
         _: &Span<N, M>,
         _taken: f64,
@@ -202,13 +231,14 @@ pub(super) trait Physics: Sized {
     ) {
     }
 
-    /// Takes over an interval that was passed by formula, from and to a pressure, with the valves' areas.
+    /// Takes over an interval of the duration `_taken` (s) that was computed by formula, with the valves' areas (m²) and the
+    /// pressures at its begin and end (Pa).
     #[inline(always)]
-    fn commit_formula(&mut self, _areas: [f64; 2], _taken: f64, _pressures: [f64; 2]) {}
+    fn after_formula(&mut self, _areas: [f64; 2], _taken: f64, _pressures: [f64; 2]) {}
 
-    /// Takes over the interval of a resting coil: charge (A s) and the currents at both ends.
+    /// Takes over the interval of a resting coil: charge (A s), the currents at both ends (A), and the lift (m).
     #[inline(always)]
-    fn commit_resting_coil(
+    fn after_resting_coil(
         &mut self,
         _: usize,
         _: Drive,
@@ -218,17 +248,17 @@ pub(super) trait Physics: Sized {
     ) {
     }
 
-    /// Reports that the current of a coil with the drive `_drive` has ended.
+    /// Takes over that the current of a coil with the drive `_drive` has decayed to zero.
     #[inline(always)]
-    fn current_ended(&mut self, _: usize, _drive: Drive) {}
+    fn after_current_ended(&mut self, _: usize, _drive: Drive) {}
 
-    /// Reports the end of a segment.
+    /// Takes over the end of a segment between two known instants, of the duration `_duration` (s).
     #[inline(always)]
-    fn end_segment(&mut self, _duration: f64) {}
+    fn after_segment(&mut self, _duration: f64) {}
 
-    /// Returns whether a current continues when the output goes low.
+    /// Returns whether a current continues in the freewheeling diode when the output goes low; asked at that instant.
     #[inline(always)]
-    fn free_wheels(&self, _: usize, valve: &ValveState) -> bool {
+    fn current_freewheels(&self, _: usize, valve: &ValveState) -> bool {
         valve.current > 0.0
     }
 }

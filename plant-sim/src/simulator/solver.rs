@@ -114,9 +114,11 @@ impl<P: Physics> Solver<P> {
         let mut remaining = duration;
         while remaining > 0.0 && !self.is_aborted() {
             self.release_armatures();
-            let live =
-                [FILL, VENT].map(|index| self.physics.is_live(index, &self.state.valves[index]));
-            remaining = match (live, self.physics.width()) {
+            let live = [FILL, VENT].map(|index| {
+                self.physics
+                    .must_be_integrated(index, &self.state.valves[index])
+            });
+            remaining = match (live, self.physics.effect_states_width()) {
                 ([false, false], _) => self.advance_resting(remaining),
                 ([true, false], width) => self.advance_one(FILL, width, remaining),
                 ([false, true], width) => self.advance_one(VENT, width, remaining),
@@ -129,7 +131,7 @@ impl<P: Physics> Solver<P> {
                 }
             };
         }
-        self.physics.end_segment(duration);
+        self.physics.after_segment(duration);
     }
 
     fn advance_one(&mut self, index: usize, width: Width, remaining: f64) -> f64 {
@@ -142,7 +144,7 @@ impl<P: Physics> Solver<P> {
 
     /// Integrates the pressure while no valve is live and the pressure has no formula.
     fn advance_pressure(&mut self, remaining: f64) -> f64 {
-        match self.physics.width() {
+        match self.physics.effect_states_width() {
             Width::None => self.integrate::<1, 0>([], remaining),
             Width::Few => self.integrate::<{ 1 + FEW }, 0>([], remaining),
             Width::Many => self.integrate::<{ 1 + MANY }, 0>([], remaining),
@@ -169,7 +171,9 @@ impl<P: Physics> Solver<P> {
     /// integrated.
     fn advance_resting(&mut self, remaining: f64) -> f64 {
         let areas = self.effective_areas();
-        let trace = self.physics.resting_pressure(areas, self.state.pressure);
+        let trace = self
+            .physics
+            .pressure_at_resting_valves(areas, self.state.pressure);
         let Some(pressure) = trace.filter(|trace| trace.valid_for() > SHORTEST_EVENT) else {
             return self.advance_pressure(remaining);
         };
@@ -178,7 +182,7 @@ impl<P: Physics> Solver<P> {
         let force = |index: usize, t: f64| {
             let valve = &self.state.valves[index];
             let pressure = pressure.at(self.physics.plant(), t);
-            let extra = self.physics.extra();
+            let extra = self.physics.effect_states();
             self.physics
                 .breakaway_force(index, valve, currents[index].at(t), pressure, extra)
         };
@@ -190,7 +194,7 @@ impl<P: Physics> Solver<P> {
         let start = self.state.pressure;
         self.state.pressure = pressure.at(self.physics.plant(), taken);
         self.physics
-            .commit_formula(areas, taken, [start, self.state.pressure]);
+            .after_formula(areas, taken, [start, self.state.pressure]);
         for index in [FILL, VENT] {
             self.settle_current(index, &currents[index], taken);
         }
@@ -204,7 +208,7 @@ impl<P: Physics> Solver<P> {
     fn resting_currents(&self) -> [RestingCurrent; 2] {
         [FILL, VENT].map(|index| {
             self.physics
-                .resting_current(index, &self.state.valves[index])
+                .current_of_resting_coil(index, &self.state.valves[index])
         })
     }
 
@@ -222,9 +226,9 @@ impl<P: Physics> Solver<P> {
         self.charge[index] += charge;
         let currents = [valve.current, current];
         self.physics
-            .commit_resting_coil(index, valve.drive, charge, currents, valve.x);
+            .after_resting_coil(index, valve.drive, charge, currents, valve.x);
         valve.current = current;
-        if current == 0.0 && matches!(valve.drive, Drive::FreeWheeling(_)) {
+        if current == 0.0 && matches!(valve.drive, Drive::Freewheeling(_)) {
             valve.drive = Drive::Blocked;
         }
     }
@@ -280,7 +284,7 @@ impl<P: Physics> Solver<P> {
             }),
             directions: live.map(|index| {
                 self.physics
-                    .direction(index, &valves[index], self.state.pressure)
+                    .direction_of_motion(index, &valves[index], self.state.pressure)
             }),
             resting_areas: self.effective_areas(),
             resting_positions: [valves[FILL].x, valves[VENT].x],
@@ -301,10 +305,10 @@ impl<P: Physics> Solver<P> {
         let stiff = P::MAY_BE_STIFF && self.stiffness >= STIFF_STEPS_MIN;
         let longest = match stiff {
             true if M == 0 && chord.is_some() => {
-                LONGEST_STRAIGHT_STEP.min(self.physics.longest_flow_step())
+                LONGEST_STRAIGHT_STEP.min(self.physics.longest_flow_step_s())
             }
             true => LONGEST_STIFF_STEP,
-            false => [self.physics.longest_flow_step(), LONGEST_MOTION_STEP][kind],
+            false => [self.physics.longest_flow_step_s(), LONGEST_MOTION_STEP][kind],
         };
         while !self.is_aborted() {
             let h = self.proposal[kind].min(longest).min(remaining);
@@ -319,7 +323,9 @@ impl<P: Physics> Solver<P> {
                 }
                 staged.step
             };
-            let error = self.physics.measure::<N, M>(&self.weights, &step.error);
+            let error = self
+                .physics
+                .error_in_tolerances::<N, M>(&self.weights, &step.error);
             // The fourth root in place of the fifth: cheaper, and more careful after a large error.
             let factor = (0.9 / error.sqrt().sqrt()).clamp(0.2, 4.0);
             if error <= 1.0 {
@@ -357,7 +363,9 @@ impl<P: Physics> Solver<P> {
     /// the tolerance: by h² |y''| / 8, with the second derivative from the mean `rates` of the last two steps.
     fn keep_straight<const N: usize, const M: usize>(&mut self, h: f64, rates: [[f64; N]; 2]) {
         let deviation = core::array::from_fn(|n| (rates[1][n] - rates[0][n]) * h / 8.0);
-        let deviation = self.physics.measure::<N, M>(&self.weights, &deviation);
+        let deviation = self
+            .physics
+            .error_in_tolerances::<N, M>(&self.weights, &deviation);
         let straight = (h / deviation.sqrt()).max(LONGEST_STIFF_STEP);
         self.proposal[0] = self.proposal[0].min(straight);
     }
@@ -372,7 +380,8 @@ impl<P: Physics> Solver<P> {
         let [state, rate] = &staged.last_stage;
         let apart = |a: &[f64; N], b: &[f64; N]| {
             let difference = core::array::from_fn(|n| a[n] - b[n]);
-            self.physics.measure::<N, M>(&self.weights, &difference)
+            self.physics
+                .error_in_tolerances::<N, M>(&self.weights, &difference)
         };
         let fastest = apart(&staged.step.end_rate, rate) / apart(&staged.step.end, state);
         let is_at_rest = smooth.directions.iter().all(|direction| *direction == 0.0);
@@ -394,7 +403,9 @@ impl<P: Physics> Solver<P> {
         core::array::from_fn(|n| {
             let mut unit = [0.0; N];
             unit[n] = 1.0;
-            let weight = self.physics.measure::<N, M>(&self.weights, &unit);
+            let weight = self
+                .physics
+                .error_in_tolerances::<N, M>(&self.weights, &unit);
             1e-7 * y[n].abs() + 1e-3 / weight.max(1e-3)
         })
     }
@@ -403,10 +414,12 @@ impl<P: Physics> Solver<P> {
         let mut y = [0.0; N];
         y[0] = self.state.pressure;
         for (slot, &index) in live.iter().enumerate() {
-            let states = self.physics.pack(index, &self.state.valves[index]);
+            let states = self
+                .physics
+                .integrated_states(index, &self.state.valves[index]);
             y[first_of(slot)..first_of(slot + 1)].copy_from_slice(&states);
         }
-        let extra = self.physics.extra();
+        let extra = self.physics.effect_states();
         y[first_of(M)..].copy_from_slice(&extra[..N - first_of(M)]);
         y
     }
@@ -429,13 +442,13 @@ impl<P: Physics> Solver<P> {
                 self.settle_current(index, &currents[index], taken);
             }
         }
-        self.physics.commit_valves(
+        self.physics.after_step_of_valves(
             smooth,
             span,
             (taken, end),
             &mut self.state,
             &mut self.charge,
         );
-        self.physics.commit_step(span, taken, end);
+        self.physics.after_step(span, taken, end);
     }
 }

@@ -9,9 +9,16 @@ use crate::{Clock, Provenance, StartTime, Unit};
 /// Version of the format; the identification has its name and version, and eight letters for the program.
 const VERSION: u16 = 410;
 const IDENTIFICATION: &[u8; 24] = b"MDF     4.10    retarder";
-/// Master channel, over time (ASAM MDF 4.1, CN block).
-const MASTER: (u8, u8) = (2, 1);
-const FIXED_LENGTH: (u8, u8) = (0, 0);
+/// Type of a channel and of its synchronisation (ASAM MDF 4.1, CN block).
+#[derive(Clone, Copy)]
+struct ChannelKind {
+    kind: u8,
+    sync: u8,
+}
+
+/// Master channel, over time.
+const MASTER: ChannelKind = ChannelKind { kind: 2, sync: 1 };
+const FIXED_LENGTH: ChannelKind = ChannelKind { kind: 0, sync: 0 };
 /// Data type of a little-endian float.
 const FLOAT: u8 = 4;
 const FLOAT_BYTES: usize = 8;
@@ -112,7 +119,13 @@ impl Head {
         self.block(id, &[], &data)
     }
 
-    fn channel(&mut self, (kind, sync): (u8, u8), place: usize, name: &str, unit: Unit) -> u64 {
+    fn channel(
+        &mut self,
+        ChannelKind { kind, sync }: ChannelKind,
+        place: usize,
+        name: &str,
+        unit: Unit,
+    ) -> u64 {
         let mut fields = [0; 72];
         fields[..3].copy_from_slice(&[kind, sync, FLOAT]);
         fields[4..8].copy_from_slice(&((FLOAT_BYTES * place) as u32).to_le_bytes());

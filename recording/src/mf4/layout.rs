@@ -16,6 +16,15 @@ pub(super) enum Layout {
     },
 }
 
+/// Shape of the records of a group (bytes).
+#[derive(Clone, Copy)]
+pub(super) struct RecordShape {
+    /// Size of a record.
+    pub(super) stride: usize,
+    /// Size of the record's number before its data.
+    pub(super) skip: usize,
+}
+
 /// Format of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Form {
@@ -94,16 +103,15 @@ impl Layout {
         }
     }
 
-    /// Appends the numbers of whole `records`, each `stride` bytes with `skip` bytes before its data; the first one has
-    /// the number `first`. Each record has [`Layout::end`] bytes of data, which the caller has checked.
+    /// Appends the numbers of whole `records`, of this shape; the first one has the number `first`. Each record has [`Layout::end`] bytes of data, which the caller has checked.
     pub(super) fn decode(
         &self,
         records: &[u8],
-        (stride, skip): (usize, usize),
+        shape: RecordShape,
         first: u64,
         numbers: &mut Vec<f64>,
     ) {
-        let records = records.chunks_exact(stride);
+        let records = records.chunks_exact(shape.stride);
         let (at, form, is_big_endian) = match *self {
             Self::RecordNumber => {
                 let numbered = records.zip(first..).map(|(_, number)| number as f64);
@@ -113,7 +121,7 @@ impl Layout {
                 at,
                 form,
                 is_big_endian,
-            } => (skip + at, form, is_big_endian),
+            } => (shape.skip + at, form, is_big_endian),
         };
         match (form, is_big_endian) {
             (Form::Float64, false) => {
@@ -200,7 +208,10 @@ mod tests {
             let mut numbers = Vec::new();
             layout.decode(
                 &[record, record].concat(),
-                (record.len(), 0),
+                RecordShape {
+                    stride: record.len(),
+                    skip: 0,
+                },
                 0,
                 &mut numbers,
             );
@@ -245,7 +256,12 @@ mod tests {
         };
         let mut numbers = Vec::new();
         let layout = Layout::of(&virtual_master).unwrap();
-        layout.decode(&[0; 6], (2, 1), 40, &mut numbers);
+        layout.decode(
+            &[0; 6],
+            RecordShape { stride: 2, skip: 1 },
+            40,
+            &mut numbers,
+        );
         assert_eq!(numbers, [40.0, 41.0, 42.0]);
     }
 

@@ -7,6 +7,7 @@ use super::blocks::Blocks;
 use super::candidates::{Source, Validity};
 use super::data::DataStream;
 use super::error::{Located, Place};
+use super::layout::RecordShape;
 use super::problem::{Budget, Problem};
 use super::structure::{DataGroup, Unfinished};
 
@@ -235,7 +236,10 @@ impl Decoder<'_, '_> {
         for (index, source) in samples.sources.iter().enumerate() {
             let row = &mut samples.rows[index];
             let begin = row.len();
-            let shape = (route.stride, self.record_id_bytes);
+            let shape = RecordShape {
+                stride: route.stride,
+                skip: self.record_id_bytes,
+            };
             source.layout.decode(records, shape, first, row);
             let new = &mut row[begin..];
             if !source.layout.is_integer() {
@@ -243,8 +247,8 @@ impl Decoder<'_, '_> {
                 samples.not_a_number[index] += count as u64;
             }
             source.conversion.apply(new);
-            let shape = (route.stride, route.validity_at);
-            remove_invalid(source.validity, records, shape, new);
+            let validity_at = route.validity_at;
+            remove_invalid(source.validity, records, route.stride, validity_at, new);
         }
         Ok(())
     }
@@ -254,7 +258,8 @@ impl Decoder<'_, '_> {
 fn remove_invalid(
     validity: Validity,
     records: &[u8],
-    (stride, validity_at): (usize, usize),
+    stride: usize,
+    validity_at: usize,
     values: &mut [f64],
 ) {
     match validity {

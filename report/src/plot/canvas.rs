@@ -8,10 +8,10 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::curve::Point;
 use super::figure::{FONT, Figure, PlotError, SCALE, printable};
 use super::palette;
 use super::quantity::tick;
-use super::trace::Point;
 
 /// Mean width of a character (em), for the positions of legend entries.
 const CHARACTER_EM: f64 = 0.57;

@@ -3,15 +3,15 @@
 use std::ops::Range;
 
 use model_lab::result::{Comparison, ErrorSummary, SignalComparison};
-use recording::{Recording, Unit};
+use recording::{Recording, Trace, Unit};
 
 use super::canvas::{
     self, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
+use super::curve;
 use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, signal_words};
-use super::trace::Trace;
 
 /// Width of the plot area (px).
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
@@ -34,11 +34,11 @@ pub(crate) fn comparison(
 ) -> Result<Figure, PlotError> {
     let traces = &comparison.traces;
     let modelled = Trace::of(&traces.free_run, &signal.name);
-    let residual = Trace::of_free_run_residual(traces, &signal.name);
+    let residual = curve::free_run_residual(traces, &signal.name);
     let one_step_ahead = signal
         .one_step_ahead
         .as_ref()
-        .zip(Trace::of_one_step_ahead_residual(traces, &signal.name));
+        .zip(curve::one_step_ahead_residual(traces, &signal.name));
     let window_s = window_s
         .or_else(|| modelled.as_ref().map(Trace::window_s))
         .unwrap_or(0.0..1.0);
@@ -108,13 +108,13 @@ const FEWEST_SAMPLES: f64 = 100.0;
 /// Returns the window of `length_s`, or of [`FEWEST_SAMPLES`], with the largest free-run residual of the signal `name`;
 /// `None` if the log is not longer.
 pub(crate) fn excerpt(comparison: &Comparison, name: &str, length_s: f64) -> Option<Range<f64>> {
-    let residual = Trace::of_free_run_residual(&comparison.traces, name)?;
+    let residual = curve::free_run_residual(&comparison.traces, name)?;
     let length_s = length_s.max(FEWEST_SAMPLES * residual.step_s());
     let all_s = residual.window_s();
     if all_s.end - all_s.start <= length_s {
         return None;
     }
-    let points: Vec<_> = residual.squares().collect();
+    let points: Vec<_> = curve::squares(&residual).collect();
     let (mut first, mut sum, mut best) = (0, 0.0, (f64::NEG_INFINITY, all_s.start));
     for (time_s, square) in &points {
         sum += square;
@@ -169,7 +169,11 @@ pub(super) fn duties(
     let legend: Vec<_> = traces.iter().map(|(entry, _)| *entry).collect();
     sheet.legend((corner.0 + width_px, corner.1 - 16), &legend)?;
     for ((_, colour), trace) in traces.iter().rev() {
-        chart.curve(&trace.stairs(window_s, width_px as usize), *colour, 1.25)?;
+        chart.curve(
+            &curve::stairs(&trace, window_s, width_px as usize),
+            *colour,
+            1.25,
+        )?;
     }
     Ok(())
 }
@@ -221,7 +225,7 @@ impl Overlay<'_> {
         for (trace, colour, width_px) in curves {
             if let Some(trace) = trace {
                 chart.curve(
-                    &trace.lines(self.window_s, PLOT_PX as usize),
+                    &curve::lines(trace, self.window_s, PLOT_PX as usize),
                     colour,
                     width_px,
                 )?;
@@ -267,7 +271,7 @@ impl Residual<'_> {
         }
         chart.level(0.0, palette::AXIS)?;
         chart.curve(
-            &trace.lines(self.window_s, PLOT_PX as usize),
+            &curve::lines(&trace, self.window_s, PLOT_PX as usize),
             self.colour,
             1.0,
         )
@@ -303,11 +307,9 @@ mod tests {
     #[test]
     fn the_excerpt_is_where_the_residual_is_largest() {
         let (_, comparison) = practice_log();
-        let residual = Trace::of_free_run_residual(&comparison.traces, "p_ch").unwrap();
+        let residual = curve::free_run_residual(&comparison.traces, "p_ch").unwrap();
         let squares_in = |window_s: &Range<f64>| -> f64 {
-            let inside = residual
-                .squares()
-                .filter(|(time_s, _)| window_s.contains(time_s));
+            let inside = curve::squares(&residual).filter(|(time_s, _)| window_s.contains(time_s));
             inside.map(|(_, square)| square).sum()
         };
         let found_s = excerpt(&comparison, "p_ch", 10.0).unwrap();

@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use hil_harness::Requirement;
 use hil_harness::checks::{StepResponse, Verdict};
-use recording::{Recording, Unit};
+use recording::{Recording, Trace, Unit};
 
 use super::canvas::{
     LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, clipped, figure, union, with_room,
 };
 use super::comparison::{DUTIES_PX, duties, span};
+use super::curve;
 use super::figure::{Figure, PlotError};
 use super::palette;
-use super::trace::Trace;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const PRESSURE_PX: i32 = 250;
@@ -105,7 +105,7 @@ fn pressures(
         ],
     )?;
     if let Some(reference) = reference {
-        let stairs = reference.stairs(window_s, PLOT_PX as usize);
+        let stairs = curve::stairs(&reference, window_s, PLOT_PX as usize);
         for stair in &stairs {
             let [lower, upper] = [-tolerance_bar, tolerance_bar].map(|offset| {
                 stair
@@ -119,7 +119,7 @@ fn pressures(
     }
     if let Some(pressure) = pressure {
         chart.curve(
-            &pressure.lines(window_s, PLOT_PX as usize),
+            &curve::lines(&pressure, window_s, PLOT_PX as usize),
             palette::MODEL,
             1.75,
         )?;
@@ -148,7 +148,11 @@ fn draw_lifts(
     })?;
     for (trace, colour) in lifts.iter().zip([palette::FILL, palette::VENT]).rev() {
         if let Some(trace) = trace {
-            chart.curve(&trace.lines(window_s, PLOT_PX as usize), colour, 1.25)?;
+            chart.curve(
+                &curve::lines(trace, window_s, PLOT_PX as usize),
+                colour,
+                1.25,
+            )?;
         }
     }
     Ok(())

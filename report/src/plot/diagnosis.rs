@@ -5,16 +5,16 @@ use std::ops::Range;
 use model_lab::diagnosis::result::{Diagnosis, Step, StepKind};
 use model_lab::result::{Comparison, SignalComparison};
 use plotters::style::RGBColor;
-use recording::Recording;
+use recording::{Recording, Trace};
 
 use super::canvas::{
     Align, Chart, LABELS_PX, Panel, RIGHT_PX, Sheet, WIDTH_PX, figure, union, with_room,
 };
 use super::comparison::{DUTIES_PX, duties, span};
+use super::curve;
 use super::figure::{Figure, PlotError};
 use super::palette;
 use super::quantity::{SmallUnit, capitalised, pressure_first, short, signal_words, unit_of};
-use super::trace::Trace;
 
 const PLOT_PX: i32 = WIDTH_PX - LABELS_PX - RIGHT_PX;
 const OVERLAY_PX: i32 = 210;
@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
             name,
             colour,
             modelled: Trace::of(&traces.free_run, &signal.name),
-            residual: Trace::of_free_run_residual(traces, &signal.name),
+            residual: curve::free_run_residual(traces, &signal.name),
         }
     }
 }
@@ -282,7 +282,11 @@ fn draw(
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
     match trace {
-        Some(trace) => chart.curve(&trace.lines(window_s, PLOT_PX as usize), colour, width_px),
+        Some(trace) => chart.curve(
+            &curve::lines(trace, window_s, PLOT_PX as usize),
+            colour,
+            width_px,
+        ),
         None => Ok(()),
     }
 }

@@ -8,6 +8,7 @@
 mod canvas;
 mod comparison;
 mod control;
+mod curve;
 mod diagnosis;
 mod error_map;
 mod figure;
@@ -17,7 +18,6 @@ mod regimes;
 mod remaining;
 mod settling;
 mod thesis;
-mod trace;
 
 pub(crate) use comparison::{comparison, excerpt};
 pub(crate) use control::{control, step_of_interest};

@@ -43,7 +43,7 @@ pub(crate) fn measure(image: &Path) -> Result<Vec<Figures>, Failure> {
 }
 
 /// Creates the command of a machine whose instructions take 1024 ns each, so that its clock counts them
-/// (`budgets/src/counter.rs`).
+/// (`evidence/budgets/src/counter.rs`).
 fn counting_machine(image: &Path) -> Command {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-machine", "mps2-an386", "-cpu", "cortex-m4"]);
@@ -119,7 +119,7 @@ pub(crate) fn legend(figures: &[Figures]) -> String {
 
 const LEGEND: &str = "\
 mean, seen: over 102 400 samples of one closed loop, the same for all but ecu::Ecu, which drives its own plant
-    (budgets/src/trace.rs); the return counts, the call does not
+    (evidence/budgets/src/trace.rs); the return counts, the call does not
 proved: longest path through the linked code, callees included, for any input; code with a loop has none
 code: of the function and all it reaches, constants between the code included, the panic handler not
 stack: bound from the linked code; touched: what the run wrote

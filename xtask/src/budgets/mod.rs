@@ -1,6 +1,6 @@
 //! Cost of a control sample on a Cortex-M4F, and its budgets.
 //!
-//! There are two methods. The bench (`budgets/`) counts the instructions of every call over a long trace, for our code
+//! There are two methods. The bench (`evidence/budgets/`) counts the instructions of every call over a long trace, for our code
 //! and for comparable controllers ([`mod@bench`], [`counted`]). The analysis of the linked code gives bounds for any
 //! input: the longest path ([`longest_path`]), the deepest stack ([`stack_bound`]), and all code that a call can reach
 //! ([`reach`]). [`gates`] compares both with the budgets.

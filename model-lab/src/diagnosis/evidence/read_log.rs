@@ -9,7 +9,8 @@ use crate::commands::Commands;
 use crate::diagnosis::error::DiagnoseError;
 use crate::error::CompareError;
 use crate::measured::{
-    FITTED_SIGNALS, GAS_TEMPERATURE, Measured, PRESSURE, is_fitted_signal, measured_signals,
+    FITTED_SIGNALS, GAS_TEMPERATURE, LogAsRead, Measured, PRESSURE, is_fitted_signal,
+    measured_signals,
 };
 use crate::result::{NotCompared, Warning};
 use crate::warning::{out_of_reach, warnings};
@@ -40,7 +41,7 @@ impl Read {
         let mut inputs: Vec<ReplayInput> = of_log.iter().collect();
         commands.gaps.shorten(&mut inputs);
         let (measured, mut not_compared) =
-            measured_signals(parameters, (log, original), &commands)?;
+            measured_signals(parameters, LogAsRead { log, original }, &commands)?;
         not_compared.retain(|signal| {
             let name = signal.name.as_str();
             FITTED_SIGNALS.contains(&name) || [SUPPLY_PRESSURE, GAS_TEMPERATURE].contains(&name)

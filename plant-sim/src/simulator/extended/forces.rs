@@ -5,16 +5,28 @@ use super::Extended;
 use crate::hooks::{self, Now};
 use crate::valve::ValveState;
 
+/// State of an armature in a stage of a step.
+#[derive(Clone, Copy)]
+pub(super) struct ArmatureNow {
+    /// Index of its valve.
+    pub(super) index: usize,
+    /// Lift (m).
+    pub(super) x: f64,
+    /// Velocity (m/s).
+    pub(super) v: f64,
+}
+
 impl Extended {
     /// Returns the forces on an armature without friction (N).
     #[inline]
     pub(super) fn net_force(
         &self,
-        (index, x, v): (usize, f64, f64),
+        armature: ArmatureNow,
         pulling_current: f64,
         pressure_drop: f64,
         now: Option<&Now>,
     ) -> f64 {
+        let ArmatureNow { index, x, v } = armature;
         let valve = &self.plant.valves[index];
         let additions = &self.plant.additions;
         let drop = if additions.flow_force.at_full_lift == 0.0 {
@@ -42,15 +54,20 @@ impl Extended {
         currents[index] = current;
         let now = self.now(pressure, extra, (currents, [valve.x; 2], [0.0; 2]));
         let area = self.plant.valves[index].effective_area(valve.x);
-        let place = (index, area);
+        let opening = gas::Opening { valve: index, area };
         let drop = gas::pressure_drop(
             &self.plant,
             &self.layout,
-            place,
+            opening,
             pressure,
             extra,
             now.as_ref(),
         );
-        self.net_force((index, valve.x, 0.0), current, drop, now.as_ref())
+        let armature = ArmatureNow {
+            index,
+            x: valve.x,
+            v: 0.0,
+        };
+        self.net_force(armature, current, drop, now.as_ref())
     }
 }

@@ -1,17 +1,17 @@
 //! Physics of the plant with effects, as the solver needs it.
 
-use super::super::physics::{Physics, Width};
+use super::super::physics::{Physics, Width, WithinStep};
 use super::super::smooth::Smooth;
 use super::super::span::{Span, first_of};
 use super::super::tolerance::Weights;
 use super::super::{flux, gas};
 use super::Extended;
+use super::forces::ArmatureNow;
 use crate::additions::{SHORTEST_FLIGHT, SLOWEST_BOUNCE};
 use crate::coil::{Coil, Drive, RestingCurrent};
 use crate::hooks;
 use crate::plant::{FILL, Plant, PlantState, VENT};
 use crate::resting_pressure::RestingPressure;
-use crate::solver::hermite::Cubic;
 use crate::solver::root::first_positive;
 use crate::valve::{Motion, ValveState};
 
@@ -33,7 +33,7 @@ impl Physics for Extended {
         &mut self.plant
     }
 
-    fn longest_flow_step(&self) -> f64 {
+    fn longest_flow_step_s(&self) -> f64 {
         // Where the plunger leaves a stop, its law has a kink that a long step does not resolve.
         if self.plant.additions.plunger.is_some() {
             1e-3
@@ -42,11 +42,11 @@ impl Physics for Extended {
         }
     }
 
-    fn width(&self) -> Width {
+    fn effect_states_width(&self) -> Width {
         self.layout.width()
     }
 
-    fn is_live(&self, index: usize, valve: &ValveState) -> bool {
+    fn must_be_integrated(&self, index: usize, valve: &ValveState) -> bool {
         if valve.motion == Motion::Moving {
             return true;
         }
@@ -56,15 +56,15 @@ impl Physics for Extended {
             Drive::Energised(_) => {
                 has_law || additions.supply_resistance > 0.0 || additions.polarisation.is_some()
             }
-            Drive::FreeWheeling(_) => has_law,
+            Drive::Freewheeling(_) => has_law,
             // The eddy currents sustain a flux for a short time.
             Drive::Blocked => additions.eddy_conductance > 0.0 && self.flux[index] > 0.0,
         }
     }
 
-    fn resting_current(&self, index: usize, valve: &ValveState) -> RestingCurrent {
-        if self.is_live(index, valve) {
-            return RestingCurrent::EXTINCT;
+    fn current_of_resting_coil(&self, index: usize, valve: &ValveState) -> RestingCurrent {
+        if self.must_be_integrated(index, valve) {
+            return RestingCurrent::DECAYED;
         }
         let coil = &self.plant.valves[index].coil;
         let coil = Coil {
@@ -74,7 +74,11 @@ impl Physics for Extended {
         coil.at_rest(valve.drive, valve.current, valve.x)
     }
 
-    fn resting_pressure(&self, areas: [f64; 2], pressure: f64) -> Option<RestingPressure> {
+    fn pressure_at_resting_valves(
+        &self,
+        areas: [f64; 2],
+        pressure: f64,
+    ) -> Option<RestingPressure> {
         gas::resting_pressure(&self.plant, areas, pressure)
     }
 
@@ -109,19 +113,17 @@ impl Physics for Extended {
         &self,
         index: usize,
         valve: &ValveState,
-        (smooth, span): (&Smooth<M>, &Span<N, M>),
-        (_, current): (&Cubic, &RestingCurrent),
-        time: f64,
+        at: WithinStep<'_, N, M>,
     ) -> f64 {
-        let y = span.at(time);
-        let current = match smooth.slot_of(index) {
+        let y = at.span.at(at.time);
+        let current = match at.smooth.slot_of(index) {
             Some(slot) => flux::pulling_current(&self.plant, index, y[first_of(slot)], valve.x),
-            None => current.at(time),
+            None => at.current.at(at.time),
         };
         self.breakaway_force(index, valve, current, y[0], &y[first_of(M)..])
     }
 
-    fn direction(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
+    fn direction_of_motion(&self, index: usize, valve: &ValveState, pressure: f64) -> f64 {
         if valve.motion != Motion::Moving {
             0.0
         } else if valve.v != 0.0 || !self.has_friction() {
@@ -137,7 +139,7 @@ impl Physics for Extended {
         self.plant.additions.friction.is_some()
     }
 
-    fn rebound(&self, index: usize, arrived: &ValveState, pressure: f64) -> f64 {
+    fn velocity_after_stop(&self, index: usize, arrived: &ValveState, pressure: f64) -> f64 {
         let valve = &self.plant.valves[index];
         if !valve.function.has_armature() {
             return 0.0;
@@ -154,7 +156,7 @@ impl Physics for Extended {
         }
     }
 
-    fn pack(&self, index: usize, valve: &ValveState) -> [f64; 3] {
+    fn integrated_states(&self, index: usize, valve: &ValveState) -> [f64; 3] {
         let flux = if self.is_linear() {
             self.plant.valves[index].coil.inductance(valve.x) * valve.current
         } else {
@@ -163,7 +165,7 @@ impl Physics for Extended {
         [flux, valve.x, valve.v]
     }
 
-    fn extra(&self) -> &[f64] {
+    fn effect_states(&self) -> &[f64] {
         &self.extra
     }
 
@@ -197,7 +199,10 @@ impl Physics for Extended {
                 &self.plant,
                 &self.layout,
                 areas,
-                (pressure, self.swept),
+                gas::ChamberNow {
+                    pressure,
+                    swept: self.swept,
+                },
                 now,
                 extra,
                 extra_rates,
@@ -214,7 +219,12 @@ impl Physics for Extended {
                 continue;
             }
             let (x, v) = (y[first + 1], y[first + 2]);
-            let net = self.net_force((index, x, v), currents[index], gas.drops[index], now);
+            let net = self.net_force(
+                ArmatureNow { index, x, v },
+                currents[index],
+                gas.drops[index],
+                now,
+            );
             let friction = additions.friction.map_or(0.0, |friction| friction.sliding);
             valve_rates[first + 1] = v;
             valve_rates[first + 2] =
@@ -244,7 +254,11 @@ impl Physics for Extended {
         rates
     }
 
-    fn measure<const N: usize, const M: usize>(&self, weights: &Weights, error: &[f64; N]) -> f64 {
+    fn error_in_tolerances<const N: usize, const M: usize>(
+        &self,
+        weights: &Weights,
+        error: &[f64; N],
+    ) -> f64 {
         if error.iter().any(|error| !error.is_finite()) {
             return f64::INFINITY;
         }
@@ -261,7 +275,7 @@ impl Physics for Extended {
         )
     }
 
-    fn zero_current_time<const N: usize, const M: usize>(
+    fn time_of_zero_current<const N: usize, const M: usize>(
         &self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
@@ -269,7 +283,7 @@ impl Physics for Extended {
     ) -> Option<f64> {
         let index = smooth.live[slot];
         let least = match smooth.drives[slot] {
-            Drive::FreeWheeling(_) => self.least_current(),
+            Drive::Freewheeling(_) => self.least_current(),
             Drive::Blocked if span.start[first_of(slot)] > 0.0 => NO_CURRENT,
             Drive::Energised(_) | Drive::Blocked => return None,
         };
@@ -282,7 +296,7 @@ impl Physics for Extended {
             .then(|| first_positive(|time| missing(&span.at(time)), 0.0, span.h))
     }
 
-    fn commit_valves<const N: usize, const M: usize>(
+    fn after_step_of_valves<const N: usize, const M: usize>(
         &mut self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
@@ -303,7 +317,7 @@ impl Physics for Extended {
         }
     }
 
-    fn commit_step<const N: usize, const M: usize>(
+    fn after_step<const N: usize, const M: usize>(
         &mut self,
         span: &Span<N, M>,
         taken: f64,
@@ -328,7 +342,7 @@ impl Physics for Extended {
         self.sensor.follow(&self.plant.additions, taken, start, end);
     }
 
-    fn commit_formula(&mut self, areas: [f64; 2], taken: f64, pressures: [f64; 2]) {
+    fn after_formula(&mut self, areas: [f64; 2], taken: f64, pressures: [f64; 2]) {
         if self.plant.additions.sensor_lag.is_none() {
             self.sensor
                 .follow_at_once(&self.plant.additions, pressures[1]);
@@ -340,7 +354,7 @@ impl Physics for Extended {
         self.sensor.follow(&self.plant.additions, taken, start, end);
     }
 
-    fn commit_resting_coil(
+    fn after_resting_coil(
         &mut self,
         index: usize,
         drive: Drive,
@@ -359,15 +373,15 @@ impl Physics for Extended {
         }
     }
 
-    fn current_ended(&mut self, index: usize, drive: Drive) {
+    fn after_current_ended(&mut self, index: usize, drive: Drive) {
         let eddy_currents_go_on =
-            matches!(drive, Drive::FreeWheeling(_)) && self.plant.additions.eddy_conductance > 0.0;
+            matches!(drive, Drive::Freewheeling(_)) && self.plant.additions.eddy_conductance > 0.0;
         if !eddy_currents_go_on {
             self.flux[index] = 0.0;
         }
     }
 
-    fn end_segment(&mut self, duration: f64) {
+    fn after_segment(&mut self, duration: f64) {
         self.elapsed += duration;
         let Some(heating) = self.plant.additions.heating else {
             return;
@@ -380,7 +394,7 @@ impl Physics for Extended {
         }
     }
 
-    fn free_wheels(&self, index: usize, valve: &ValveState) -> bool {
+    fn current_freewheels(&self, index: usize, valve: &ValveState) -> bool {
         if self.is_linear() {
             return valve.current > 0.0;
         }

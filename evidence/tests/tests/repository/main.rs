@@ -1,5 +1,7 @@
 //! Requirements of the repository itself.
 
+mod crates;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -28,62 +30,6 @@ fn bundled_files_are_the_ones_under_data() {
         ),
     ] {
         assert_eq!(read(bundled), read(data), "{bundled} and {data}");
-    }
-}
-
-/// The README's first command is `cargo run`: the default members need exactly one default program.
-#[test]
-fn cargo_run_means_one_program() {
-    let manifest: toml::Table = read("Cargo.toml").parse().unwrap();
-    let members = manifest["workspace"]["default-members"].as_array().unwrap();
-    let default_run = |member: &str| -> Option<String> {
-        let manifest: toml::Table = read(&format!("{member}/Cargo.toml")).parse().unwrap();
-        let name = manifest["package"].get("default-run")?;
-        Some(name.as_str().unwrap().to_owned())
-    };
-    let programs: Vec<String> = members
-        .iter()
-        .filter_map(|member| default_run(member.as_str().unwrap()))
-        .collect();
-    assert_eq!(programs, ["retarder"]);
-}
-
-/// The dependencies between our crates are those allowed in ARCHITECTURE.md's table and no others.
-#[test]
-fn crates_depend_on_each_other_as_the_architecture_says() {
-    let architecture = read("ARCHITECTURE.md");
-    let rows = architecture
-        .lines()
-        .skip_while(|line| !line.contains("may depend on"))
-        .skip(2)
-        .take_while(|line| line.starts_with('|'));
-    let allowed: BTreeMap<String, Vec<String>> = rows
-        .map(|row| {
-            let cells: Vec<_> = row.split('|').map(str::trim).collect();
-            let name = cells[1].trim_matches('`').to_owned();
-            let list = cells[3]
-                .split(',')
-                .map(|cell| cell.trim().trim_matches('`').to_owned());
-            (name, list.collect())
-        })
-        .collect();
-    assert!(
-        allowed.len() >= 9,
-        "the table of crates was found: {allowed:?}"
-    );
-    for (name, allowed_names) in &allowed {
-        let manifest = read(&format!("{name}/Cargo.toml"));
-        for other in allowed.keys().filter(|other| *other != name) {
-            let depends = manifest.lines().any(|line| {
-                line.starts_with(&format!("{other}.workspace"))
-                    || line.starts_with(&format!("{other} ="))
-            });
-            let may = allowed_names.contains(other) || allowed_names.contains(&"all".to_owned());
-            assert!(
-                !depends || may,
-                "{name} depends on {other}, which ARCHITECTURE.md does not allow"
-            );
-        }
     }
 }
 
@@ -214,31 +160,6 @@ fn used_modules(
                     }
                 }
             }
-        }
-    }
-}
-
-/// Every dependency has a comment above it that states its benefit.
-#[test]
-fn every_outside_dependency_has_its_reason() {
-    for entry in fs::read_dir(repository()).unwrap() {
-        let manifest = entry.unwrap().path().join("Cargo.toml");
-        if !manifest.exists() {
-            continue;
-        }
-        let text = fs::read_to_string(&manifest).unwrap();
-        let mut in_dependencies = false;
-        let mut last = "";
-        for line in text.lines() {
-            if line.starts_with('[') {
-                in_dependencies = line.contains("dependencies]");
-            } else if in_dependencies && !line.starts_with('#') && line.contains('=') {
-                let ours = line.contains("workspace = true") || line.contains("path =");
-                let explained = last.starts_with('#');
-                assert!(ours || explained, "{}: {line}", manifest.display());
-            }
-            // The comment has to be directly above each dependency, also above the second of two.
-            last = line;
         }
     }
 }

@@ -89,7 +89,7 @@ fn roots(plant: &Plant, mode: Mode, state: &State, roots: &mut [f64]) {
             roots[1] = 1.0;
         }
         roots[2] = match mode.drives[index] {
-            Drive::FreeWheeling(_) => i,
+            Drive::Freewheeling(_) => i,
             _ => 1.0,
         };
     }
@@ -204,7 +204,7 @@ pub fn simulate(
                 now_mode.drives[index] = if high[index] {
                     Drive::Energised(supply)
                 } else if state[FIRST[index]] > 0.0 {
-                    Drive::FreeWheeling(plant.diode_drop)
+                    Drive::Freewheeling(plant.diode_drop)
                 } else {
                     Drive::Blocked
                 };

@@ -69,7 +69,7 @@ const REPLACED: &[(&str, &str)] = &[
 const SEARCHED: [&str; 5] = ["rs", "md", "js", "html", "toml"];
 
 /// This file, which lists the words.
-const THIS_FILE: &str = "tests/tests/words.rs";
+const THIS_FILE: &str = "evidence/tests/tests/words.rs";
 
 #[test]
 fn no_replaced_word_comes_back() {

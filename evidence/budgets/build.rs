@@ -8,7 +8,7 @@ fn main() -> Result<(), env::VarError> {
     println!("cargo::rerun-if-changed=c");
     // `link.x` of cortex-m-rt includes a file `memory.x`, which the linker finds in the folder where cargo starts it,
     // the workspace's.
-    println!("cargo::rerun-if-changed=../memory.x");
+    println!("cargo::rerun-if-changed=../../memory.x");
     if env::var("CARGO_CFG_TARGET_OS")? != "none" {
         return Ok(());
     }

@@ -8,7 +8,7 @@ use crate::chance::Chance;
 use crate::reference_plant::{Datasheet, Rig};
 
 /// Bundled plant file: the first plant file of a user.
-const NOMINAL: &str = include_str!("../../../../data/nominal-plant.toml");
+const NOMINAL: &str = include_str!("../../../../../data/nominal-plant.toml");
 /// Addition to a user's file for a normally open vent valve.
 const NORMALLY_OPEN: &str = "\n\n[valves]\nvent = \"normally_open\"\n";
 /// Preload of the bundled file, and of a normally open vent valve of the same size, whose magnet works against the

@@ -9,8 +9,9 @@ use recording::{Recording, csv};
 /// Returns the repository's root.
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .expect("the crate lies in the repository")
+        .ancestors()
+        .nth(2)
+        .expect("the crate is in `evidence/` of the repository")
         .to_owned()
 }
 

@@ -91,7 +91,7 @@ impl Datasheet {
     /// # Panics
     /// Panics if the file lacks a value that this plant needs; a test reads it.
     pub fn bundled() -> Self {
-        toml::from_str(include_str!("../../../data/nominal-plant.toml"))
+        toml::from_str(include_str!("../../../../data/nominal-plant.toml"))
             .expect("the bundled datasheet has every key of this plant")
     }
 }
