@@ -21,7 +21,6 @@ use serde::Deserialize;
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::closed_loop::{ClosedLoop, ControllerFile, Profile};
 use crate::named_plant::NamedPlant;
-use crate::pages::compare::traces::Range;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Controlled, Judged};
 use crate::session::{Session, Sessions};
