@@ -28,7 +28,10 @@ pub(crate) fn align(
     moved: &Recording,
     signal: &str,
 ) -> Result<Alignment, Refusal> {
-    let [fixed, moved] = [Trace::of(fixed, signal)?, Trace::of(moved, signal)?];
+    let [fixed, moved] = [
+        PresentSamples::of(fixed, signal)?,
+        PresentSamples::of(moved, signal)?,
+    ];
     let shorter_s = fixed.duration_s().min(moved.duration_s());
     let longer_s = fixed.duration_s().max(moved.duration_s());
     let overlap_s = OVERLAP_MIN * shorter_s;
@@ -57,12 +60,12 @@ pub(crate) fn align(
 }
 
 /// Signal without its missing samples.
-struct Trace {
+struct PresentSamples {
     times_s: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl Trace {
+impl PresentSamples {
     fn of(log: &Recording, name: &str) -> Result<Self, Refusal> {
         let found = log.signal(name).zip(log.time_base_of(name));
         let (signal, base): (&Signal, &TimeBase) =
@@ -95,9 +98,14 @@ impl Trace {
 
 /// Returns the correlation coefficient of the overlapping part, sampled at a fixed number of places; `None` if it is
 /// too short or constant.
-fn correlation(fixed: &Trace, moved: &Trace, offset_s: f64, overlap_s: f64) -> Option<f64> {
+fn correlation(
+    fixed: &PresentSamples,
+    moved: &PresentSamples,
+    offset_s: f64,
+    overlap_s: f64,
+) -> Option<f64> {
     let from_s = fixed.times_s[0].max(moved.times_s[0] + offset_s);
-    let last = |trace: &Trace| trace.times_s[trace.times_s.len() - 1];
+    let last = |trace: &PresentSamples| trace.times_s[trace.times_s.len() - 1];
     let to_s = last(fixed).min(last(moved) + offset_s);
     if to_s - from_s < overlap_s {
         return None;

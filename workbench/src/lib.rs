@@ -22,7 +22,6 @@ mod names;
 mod pages;
 mod plant_file;
 mod project;
-mod pyramid;
 mod refusal;
 mod resample;
 mod results;

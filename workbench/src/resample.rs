@@ -1,6 +1,6 @@
 //! Values of one time series at the instants of another.
 
-use recording::Sampling;
+use recording::Trace;
 use serde::{Deserialize, Serialize};
 
 /// Instants closer than this share of a step count as equal: shifted times differ in their last bits.
@@ -16,15 +16,16 @@ pub(crate) enum Between {
     Hold,
 }
 
-/// Returns the values of a series (times in s, values, median step in s) at the increasing `instants_s`. NaN before its
-/// first and after its last sample, in its gaps, and if a required sample is missing.
+/// Returns the values of a series at the increasing `instants_s`. NaN before its first and after its last sample, in its
+/// gaps, and if a required sample is missing.
 pub(crate) fn at_instants(
-    (times_s, values, step_s): (&[f64], &[f64], f64),
+    trace: &Trace<'_, &[f64]>,
     instants_s: impl Iterator<Item = f64>,
     between: Between,
 ) -> Vec<f64> {
-    let same_s = SAME_IN_MEDIAN_STEPS * step_s;
-    let gap_s = Sampling::GAP_IN_MEDIAN_STEPS * step_s;
+    let (times_s, values) = (trace.times_s(), trace.values());
+    let same_s = SAME_IN_MEDIAN_STEPS * trace.step_s();
+    let gap_s = trace.gap_s();
     let mut next = 0;
     let value = |instant_s: f64| {
         while times_s
@@ -61,7 +62,7 @@ mod tests {
 
     fn at(instants_s: &[f64], between: Between) -> Vec<Option<f64>> {
         let found = at_instants(
-            (&TIMES_S, &VALUES, 1.0),
+            &Trace::new(&TIMES_S[..], &VALUES[..], 1.0),
             instants_s.iter().copied(),
             between,
         );

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock};
 
 use model_lab::{LogConditions, find_conditions};
-use recording::Recording;
+use recording::{Pyramid, Recording};
 use serde::{Deserialize, Serialize};
 
 use crate::cache::{Cache, Room, VALUES_MAX, values_of};
@@ -15,7 +15,6 @@ use crate::log_summary::LogSummary;
 use crate::names::ProjectId;
 use crate::plant_file::PlantFile;
 use crate::project::{LogEntry, Project};
-use crate::pyramid::Pyramid;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Batch, Compared, Controlled, ErrorsOfPlants, Findings};
 use crate::store::{BeingRead, Store};

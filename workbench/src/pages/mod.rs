@@ -5,6 +5,7 @@ pub(crate) mod control;
 pub(crate) mod diagnose;
 mod experiment_limits;
 mod logs;
+mod points;
 pub(crate) mod refine;
 mod report;
 

@@ -2,9 +2,9 @@
 
 use model_lab::Comparison;
 use plant_sim::PlantParameters;
+use recording::Pyramid;
 
 use crate::cache::values_of;
-use crate::pyramid::Pyramid;
 
 /// Comparison with the data that a view needs.
 pub(crate) struct Compared {

@@ -1,10 +1,9 @@
 //! Tolerance band of a signal around its residual, and the share of the residual beyond it.
 
-use recording::TimeBase;
+use recording::{Samples, TimeBase};
 use serde::Serialize;
 
-use super::traces::{Range, Trace};
-use crate::pyramid::{Pyramid, Series};
+use crate::pages::points::{Drawn, Points, Range};
 use crate::refusal::Refusal;
 use crate::tolerance::Tolerance;
 
@@ -12,9 +11,9 @@ use crate::tolerance::Tolerance;
 #[derive(Serialize)]
 pub(super) struct Band {
     /// Lowest residual within the tolerance.
-    low: Trace,
+    low: Points,
     /// Highest residual within the tolerance.
-    high: Trace,
+    high: Points,
     /// Samples in the view with a residual.
     samples: usize,
     /// Share of these samples that is beyond the band.
@@ -30,17 +29,17 @@ impl Band {
     /// range decides whether the samples are within it; it is also drawn beside that range.
     pub(super) fn of(
         tolerance: &Tolerance,
-        (base, measured, errors): (&TimeBase, &[f64], &(impl Series + ?Sized)),
-        (seen, range): (Range, Range),
-        points: usize,
+        (base, measured, errors): (&TimeBase, &[f64], &(impl Samples + ?Sized)),
+        seen: Range,
+        drawn: Drawn,
     ) -> Result<Self, Refusal> {
-        let (within, _) = range.of(base)?;
+        let (within, _) = drawn.range.of(base)?;
         let times_s = base.times_s();
         // One more sample on either side, for lines that reach the edges.
-        let drawn = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
-        let [low, high] = tolerance.bounds(times_s, measured, drawn.clone());
+        let rows = within.start.saturating_sub(1)..(within.end + 1).min(times_s.len());
+        let [low, high] = tolerance.bounds(times_s, measured, rows.clone());
         let (judged, _) = seen.of(base)?;
-        let judged = judged.map(|row| (errors.value(row), row - drawn.start));
+        let judged = judged.map(|row| (errors.value(row), row - rows.start));
         let judged = judged.filter(|(error, _)| !error.is_nan());
         let is_beyond = |(error, row): (f64, usize)| error < low[row] || error > high[row];
         let (mut samples, mut beyond) = (0, 0);
@@ -53,14 +52,14 @@ impl Band {
         } else {
             0.0
         };
-        let trace = |bound: &[f64]| match TimeBase::new(times_s[drawn.clone()].to_vec()) {
-            Ok(base) => Trace::of((&base, bound, &Pyramid::new(bound)), range, points),
+        let points = |bound: &[f64]| match TimeBase::new(times_s[rows.clone()].to_vec()) {
+            Ok(base) => Points::of(&base, bound, drawn),
             // The view contains nothing of the log.
-            Err(_) => Ok(Trace::default()),
+            Err(_) => Ok(Points::default()),
         };
         Ok(Self {
-            low: trace(&low)?,
-            high: trace(&high)?,
+            low: points(&low)?,
+            high: points(&high)?,
             samples,
             beyond: share,
             beyond_max: tolerance.beyond_max,
@@ -93,8 +92,8 @@ mod tests {
             Band::of(
                 tolerance,
                 (&base, &measured, &errors[..]),
-                (range, range),
-                100,
+                range,
+                Drawn { range, points: 100 },
             )
             .unwrap()
         };
@@ -110,8 +109,11 @@ mod tests {
         let found = Band::of(
             &tolerance,
             (&base, &measured, &errors[..]),
-            (nowhere, nowhere),
-            100,
+            nowhere,
+            Drawn {
+                range: nowhere,
+                points: 100,
+            },
         )
         .unwrap();
         assert_eq!((found.samples, found.holds), (0, None));

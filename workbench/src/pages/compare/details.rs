@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use model_lab::result::Residual;
-use recording::{Signal, TimeBase};
+use recording::{Samples, Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
 use super::selection::picked;
-use super::traces::Range;
-use crate::pyramid::Series;
+use crate::pages::points::Range;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::Session;
@@ -230,7 +229,7 @@ fn over(
 fn one_of_each_cell<I: Iterator<Item = usize>>(
     samples: impl Fn() -> I,
     x: &[f64],
-    y: &(impl Series + ?Sized),
+    y: &(impl Samples + ?Sized),
 ) -> Vec<usize> {
     let range = |value: &dyn Fn(usize) -> f64| {
         let values = || samples().map(value);

@@ -1,10 +1,10 @@
 //! Differences of a log from another one, for every signal of both, at the instants of the first.
 
-use recording::{Quantity, Recording, Signal, TimeBase, Unit};
+use recording::{Quantity, Recording, Signal, TimeBase, Trace, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::traces::{Metrics, Range, Trace};
-use crate::pyramid::Pyramid;
+use super::traces::Metrics;
+use crate::pages::points::{Drawn, Points, Range};
 use crate::refusal::Refusal;
 use crate::resample::{Between, at_instants};
 use crate::session::Session;
@@ -36,7 +36,7 @@ struct Difference {
     unit: &'static str,
     between: Between,
     /// This log minus the other one.
-    trace: Trace,
+    trace: Points,
     /// Statistics of the samples in the view; `None` if the logs do not overlap.
     metrics: Option<Metrics>,
 }
@@ -116,20 +116,19 @@ impl Pair<'_> {
         let times_s = &self.base.times_s()[within.clone()];
         let step_s = median_step_s(self.other_base);
         let other = at_instants(
-            (self.other_base.times_s(), self.other_values, step_s),
+            &Trace::new(self.other_base.times_s(), self.other_values, step_s),
             times_s.iter().map(|time_s| time_s - self.shift_s),
             between,
         );
         let pairs = self.values[within.clone()].iter().zip(other);
         let values: Vec<f64> = pairs.map(|(this, other)| this - other).collect();
         let trace = match TimeBase::new(times_s.to_vec()) {
-            Ok(base) => Trace::of(
-                (&base, &values[..], &Pyramid::new(&values[..])),
-                range,
-                request.points,
-            )?,
+            Ok(base) => {
+                let points = request.points;
+                Points::of(&base, &values[..], Drawn { range, points })?
+            }
             // The view contains nothing of this log.
-            Err(_) => Trace::default(),
+            Err(_) => Points::default(),
         };
         Ok(Difference {
             name: name.to_owned(),

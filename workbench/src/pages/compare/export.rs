@@ -5,7 +5,7 @@ use std::fmt::Display;
 use recording::csv::Decimals;
 use recording::{Note, Provenance, Recording, Signal, TimeBase, TimeBaseId, Unit};
 
-use super::traces::Range;
+use crate::pages::points::Range;
 use crate::refusal::Refusal;
 use crate::session::Session;
 

@@ -7,7 +7,7 @@ mod export;
 mod selection;
 mod states;
 mod statistics;
-pub(super) mod traces;
+mod traces;
 
 use std::sync::Arc;
 
@@ -23,6 +23,7 @@ use super::{Begun, Shared, begin_job, session};
 use crate::align;
 use crate::job::{Job, Span};
 use crate::pages::blocking;
+use crate::pages::points::Range;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::{Session, Sessions};
@@ -187,7 +188,7 @@ async fn show_alignment(
 async fn export_csv(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(range): Query<traces::Range>,
+    Query(range): Query<Range>,
 ) -> Result<impl IntoResponse, Refusal> {
     let session = session(&sessions, id)?;
     let csv = blocking(move || export::csv(&session, log, range)).await?;
@@ -203,7 +204,7 @@ async fn export_csv(
 async fn export_mf4(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(range): Query<traces::Range>,
+    Query(range): Query<Range>,
 ) -> Result<impl IntoResponse, Refusal> {
     let session = session(&sessions, id)?;
     let mf4 = blocking(move || export::mf4(&session, log, range)).await?;

@@ -1,13 +1,13 @@
 //! Commanded states of the valves as time intervals, from the duty cycles of a log.
 
-use recording::{Quantity, Recording, Sampling, TimeBase};
+use recording::{Quantity, Recording, TimeBase};
 use serde::Serialize;
 
-use super::traces::{Range, mean_step_s};
+use crate::pages::points::{Range, gap_s};
 use crate::refusal::Refusal;
 
 /// Largest number of intervals in a view; beyond it, each part of the view gets the state with the longest time in it.
-const STRETCHES_MAX: usize = 500;
+const SEGMENTS_MAX: usize = 500;
 
 /// State commanded by both duty cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -71,7 +71,7 @@ pub(super) fn segments(log: &Recording, range: Range) -> Result<Vec<Segment>, Re
     let duties = (fill.values_or_nan(), vent.values_or_nan());
     // A command applies until the next one: one from before the view is still in effect.
     let all = held(base, duties, within.start.saturating_sub(1)..within.end);
-    if all.len() <= STRETCHES_MAX {
+    if all.len() <= SEGMENTS_MAX {
         return Ok(all);
     }
     let view_s = (view_s.0.max(base.start_s()), view_s.1.min(base.end_s()));
@@ -84,7 +84,7 @@ fn held(
     (fill, vent): (&[f64], &[f64]),
     rows: std::ops::Range<usize>,
 ) -> Vec<Segment> {
-    let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
+    let gap_s = gap_s(base);
     let times_s = base.times_s();
     let mut segments = Vec::new();
     for row in rows {
@@ -106,10 +106,10 @@ fn held(
 
 /// Returns at most the allowed number of intervals: in each part of the view the state with the longest time.
 fn longest_in_each_piece(all: &[Segment], (from_s, to_s): (f64, f64)) -> Vec<Segment> {
-    let piece_s = (to_s - from_s) / STRETCHES_MAX as f64;
+    let piece_s = (to_s - from_s) / SEGMENTS_MAX as f64;
     let mut shown = Vec::new();
     let mut rest = all;
-    for piece in 0..STRETCHES_MAX {
+    for piece in 0..SEGMENTS_MAX {
         // The end of a part equals the begin of the next bit by bit.
         let [begin_s, end_s] = [piece, piece + 1].map(|edge| from_s + edge as f64 * piece_s);
         let gone = rest.partition_point(|segment| segment.to_s <= begin_s);

@@ -1,12 +1,11 @@
 //! Statistics of one time series: histogram and power spectral density.
 
-use recording::{OwnSamples, median_step_s};
+use recording::{OwnSamples, Samples, median_step_s};
 use serde::{Deserialize, Serialize};
 
 use super::details::{residual_of, unit_of_errors};
-use super::traces::Range;
 use crate::histogram::Histogram;
-use crate::pyramid::Series;
+use crate::pages::points::Range;
 use crate::refusal::Refusal;
 use crate::session::Session;
 use crate::shown_unit::shown_unit;
@@ -50,7 +49,7 @@ pub(super) struct Spectral {
 }
 
 /// Values of a series in a range.
-struct Trace {
+struct ShownSamples {
     unit: String,
     noise: Option<f64>,
     times_s: Vec<f64>,
@@ -65,11 +64,11 @@ pub(super) fn distribution(
     number: u32,
     request: &Request,
 ) -> Result<Distribution, Refusal> {
-    let trace = Trace::of(session, number, request)?;
+    let shown = ShownSamples::of(session, number, request)?;
     Ok(Distribution {
-        histogram: Histogram::of(&trace.values),
-        unit: trace.unit,
-        noise: trace.noise,
+        histogram: Histogram::of(&shown.values),
+        unit: shown.unit,
+        noise: shown.noise,
     })
 }
 
@@ -79,19 +78,19 @@ pub(super) fn spectrum(
     number: u32,
     request: &Request,
 ) -> Result<Spectral, Refusal> {
-    let trace = Trace::of(session, number, request)?;
-    let spectrum = trace
+    let shown = ShownSamples::of(session, number, request)?;
+    let spectrum = shown
         .step_s
-        .and_then(|step_s| Spectrum::of(&trace.times_s, &trace.values, step_s));
-    let level = trace.noise.zip(spectrum.as_ref());
+        .and_then(|step_s| Spectrum::of(&shown.times_s, &shown.values, step_s));
+    let level = shown.noise.zip(spectrum.as_ref());
     Ok(Spectral {
-        unit: trace.unit,
+        unit: shown.unit,
         noise_level: level.map(|(noise, spectrum)| spectrum.of_white_noise(noise)),
         spectrum,
     })
 }
 
-impl Trace {
+impl ShownSamples {
     fn of(session: &Session, number: u32, request: &Request) -> Result<Self, Refusal> {
         let compared = super::compared(session, number)?;
         let log = session.log(number)?;
@@ -99,7 +98,7 @@ impl Trace {
         let traces = &compared.comparison.traces;
         let (residual, values);
         let found = || Refusal::not_found("signal");
-        let (base, values, unit, converter): (_, &dyn Series, _, _) = match request.of {
+        let (base, values, unit, converter): (_, &dyn Samples, _, _) = match request.of {
             Side::Residual => {
                 let (base, errors) = residual_of(&compared, &request.signal)?;
                 let unit = unit_of_errors(&compared, &request.signal);

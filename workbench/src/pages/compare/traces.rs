@@ -4,28 +4,18 @@ use std::collections::BTreeMap;
 
 use model_lab::result::Residual;
 use plant_sim::parameters::PlantParameters;
-use recording::{Sampling, Signal, TimeBase};
+use recording::{Pyramid, Samples, Signal, TimeBase};
 use serde::{Deserialize, Serialize};
 
 use super::band::Band;
 use super::selection::Selection;
 use super::states::{self, Segment};
-use crate::pyramid::{Pyramid, Series};
+use crate::pages::points::{Drawn, Points, Range};
 use crate::refusal::Refusal;
 use crate::results::Compared;
 use crate::session::{LoadedLog, Session};
 use crate::shown_unit::{shown_unit, shown_values};
 use crate::tolerance::Tolerance;
-
-/// Largest number of points that a page may request.
-const POINTS_MAX: usize = 8000;
-
-/// Interval of a log's time (s).
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub(in crate::pages) struct Range {
-    pub(in crate::pages) from_s: Option<f64>,
-    pub(in crate::pages) to_s: Option<f64>,
-}
 
 /// View of the page.
 #[derive(Debug, Deserialize)]
@@ -61,14 +51,14 @@ struct SignalTraces {
     unit: &'static str,
     /// Whether it drives the model.
     is_input: bool,
-    measured: Trace,
-    model: Option<Trace>,
+    measured: Points,
+    model: Option<Points>,
     residual: Option<ResidualTrace>,
 }
 
 #[derive(Serialize)]
 struct ResidualTrace {
-    trace: Trace,
+    trace: Points,
     unit: String,
     /// Standard deviation of the measurement noise.
     noise: Option<f64>,
@@ -79,13 +69,6 @@ struct ResidualTrace {
     metrics: Option<Metrics>,
     /// Tolerance of single samples, if the user set one.
     band: Option<Band>,
-}
-
-/// Points of a series; null is a gap.
-#[derive(Default, Serialize)]
-pub(in crate::pages) struct Trace {
-    t: Vec<Option<f64>>,
-    y: Vec<Option<f64>>,
 }
 
 /// Statistics of a residual.
@@ -123,43 +106,6 @@ impl Metrics {
     }
 }
 
-impl Range {
-    /// Returns the range extended by `share` of its width on either side.
-    pub(super) fn with_beside(self, share: f64) -> Result<Self, Refusal> {
-        if !(0.0..=1.0).contains(&share) {
-            return Err(Refusal::value(format!(
-                "the margin of a view is {share} of its width (0 to 1)"
-            )));
-        }
-        let (Some(from_s), Some(to_s)) = (self.from_s, self.to_s) else {
-            return Ok(self);
-        };
-        let beside_s = share * (to_s - from_s);
-        Ok(Self {
-            from_s: Some(from_s - beside_s),
-            to_s: Some(to_s + beside_s),
-        })
-    }
-
-    /// Returns the indices of the instants within, and the range in s.
-    pub(super) fn of(
-        self,
-        base: &TimeBase,
-    ) -> Result<(std::ops::Range<usize>, (f64, f64)), Refusal> {
-        let from_s = self.from_s.unwrap_or(base.start_s());
-        let to_s = self.to_s.unwrap_or(base.end_s());
-        if !(from_s.is_finite() && to_s.is_finite() && from_s <= to_s) {
-            return Err(Refusal::value(format!(
-                "the view from {from_s} s to {to_s} s is not a range; its end must not be before its start"
-            )));
-        }
-        let times_s = base.times_s();
-        let first = times_s.partition_point(|&time_s| time_s < from_s);
-        let last = times_s.partition_point(|&time_s| time_s <= to_s);
-        Ok((first..last, (from_s, to_s)))
-    }
-}
-
 /// Returns the time series of the log `number` in a view, and those of the model if it was compared.
 pub(super) fn traces(session: &Session, number: u32, view: &View) -> Result<Traces, Refusal> {
     let log = session.log(number)?;
@@ -178,8 +124,10 @@ pub(super) fn traces(session: &Session, number: u32, view: &View) -> Result<Trac
         compared: compared.as_deref(),
         tolerances: &project.strictness.bands,
         seen,
-        range,
-        points: view.points,
+        drawn: Drawn {
+            range,
+            points: view.points,
+        },
     };
     let signals = (0..log.recording.signals().len()).map(|index| drawer.signal(index));
     let signals = signals.collect::<Result<_, _>>()?;
@@ -213,9 +161,7 @@ struct Drawer<'a> {
     tolerances: &'a BTreeMap<String, Tolerance>,
     /// Visible range, for the statistics.
     seen: Range,
-    /// Drawn range.
-    range: Range,
-    points: usize,
+    drawn: Drawn,
 }
 
 impl Drawer<'_> {
@@ -287,59 +233,17 @@ impl Drawer<'_> {
             return Ok(None);
         };
         let measured = shown_values(measured, self.parameters);
-        let band = Band::of(
-            tolerance,
-            (base, &measured, &errors),
-            (self.seen, self.range),
-            self.points,
-        )?;
+        let band = Band::of(tolerance, (base, &measured, &errors), self.seen, self.drawn)?;
         Ok(Some(band))
     }
 
     fn trace(
         &self,
         base: &TimeBase,
-        values: &(impl Series + ?Sized),
+        values: &(impl Samples + ?Sized),
         pyramid: &Pyramid,
-    ) -> Result<Trace, Refusal> {
-        Trace::of((base, values, pyramid), self.range, self.points)
-    }
-}
-
-/// Returns the mean distance of two instants (s): a cheap bound for gaps.
-pub(super) fn mean_step_s(base: &TimeBase) -> f64 {
-    (base.end_s() - base.start_s()) / (base.len().max(2) - 1) as f64
-}
-
-impl Trace {
-    /// Returns the visible part of `values` in `range`, with about this many points.
-    pub(in crate::pages) fn of(
-        (base, values, pyramid): (&TimeBase, &(impl Series + ?Sized), &Pyramid),
-        range: Range,
-        points: usize,
-    ) -> Result<Self, Refusal> {
-        let (_, view_s) = range.of(base)?;
-        let times_s = base.times_s();
-        // The mean interval is used because the median of the whole log may be unknown.
-        let gap_s = mean_step_s(base) * Sampling::GAP_IN_MEDIAN_STEPS;
-        let points = points.clamp(2, POINTS_MAX);
-        let shown = pyramid.thin((times_s, values), view_s, points, gap_s);
-        let shown = || shown.iter().copied();
-        Ok(Self {
-            t: shown()
-                .map(|index| index.map(|index| times_s[index]))
-                .collect(),
-            y: shown()
-                .map(|index| index.map(|index| values.value(index)))
-                .collect(),
-        })
-    }
-
-    fn map(mut self, change: impl Fn(f64) -> f64) -> Self {
-        for value in self.y.iter_mut().flatten() {
-            *value = change(*value);
-        }
-        self
+    ) -> Result<Points, Refusal> {
+        Points::of_pyramid(base, values, pyramid, self.drawn)
     }
 }
 

@@ -22,7 +22,6 @@ use super::{Begun, Shared, begin_job, blocking, session};
 use crate::closed_loop::{ClosedLoop, ControllerFile, Profile};
 use crate::job::Span;
 use crate::named_plant::NamedPlant;
-use crate::pages::compare::traces::Range;
 use crate::refusal::{Problem, Refusal};
 use crate::results::{Controlled, Judged};
 use crate::session::{Session, Sessions};

@@ -3,9 +3,7 @@
 use recording::Recording;
 use serde::{Deserialize, Serialize};
 
-use super::Range;
-use crate::pages::compare::traces::Trace;
-use crate::pyramid::Pyramid;
+use crate::pages::points::{Drawn, Points, Range};
 use crate::refusal::Refusal;
 use crate::results::Controlled;
 
@@ -42,13 +40,16 @@ struct SignalTraces {
     name: &'static str,
     unit: &'static str,
     /// Time series, one for each run.
-    runs: Vec<Trace>,
+    runs: Vec<Points>,
 }
 
 pub(super) fn traces(controlled: &Controlled, view: &View) -> Result<Traces, Refusal> {
-    let range = Range {
-        from_s: view.from_s,
-        to_s: view.to_s,
+    let drawn = Drawn {
+        range: Range {
+            from_s: view.from_s,
+            to_s: view.to_s,
+        },
+        points: view.points,
     };
     let recordings = || controlled.runs.iter().map(|judged| &judged.run.recording);
     let signals = SIGNALS.iter().map(|name| {
@@ -57,7 +58,7 @@ pub(super) fn traces(controlled: &Controlled, view: &View) -> Result<Traces, Ref
             name,
             unit: unit.map_or("", recording::Unit::symbol),
             runs: recordings()
-                .map(|run| trace(run, name, range, view.points))
+                .map(|run| points(run, name, drawn))
                 .collect::<Result<_, Refusal>>()?,
         })
     });
@@ -68,11 +69,9 @@ pub(super) fn traces(controlled: &Controlled, view: &View) -> Result<Traces, Ref
     })
 }
 
-fn trace(run: &Recording, name: &str, range: Range, points: usize) -> Result<Trace, Refusal> {
+fn points(run: &Recording, name: &str, drawn: Drawn) -> Result<Points, Refusal> {
     let (Some(signal), Some(base)) = (run.signal(name), run.time_base_of(name)) else {
         return Err(Refusal::not_found("signal"));
     };
-    let values = signal.values_or_nan();
-    // A run is short: its points are computed on request.
-    Trace::of((base, values, &Pyramid::new(values)), range, points)
+    Points::of(base, signal.values_or_nan(), drawn)
 }

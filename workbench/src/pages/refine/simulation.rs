@@ -11,9 +11,8 @@ use super::change::moved;
 use super::history;
 use crate::history::{History, Step, StepError};
 use crate::lock::lock;
-use crate::pages::compare::traces::{Range, Trace};
+use crate::pages::points::{Drawn, Points, Range};
 use crate::plant_file::PlantFile;
-use crate::pyramid::Pyramid;
 use crate::refusal::Refusal;
 use crate::session::{LoadedLog, Session};
 
@@ -51,7 +50,7 @@ struct SignalRun {
     name: String,
     unit: &'static str,
     error: StepError,
-    model: Trace,
+    model: Points,
 }
 
 /// Row of the error steps.
@@ -80,14 +79,16 @@ pub(super) fn simulate(session: &Session, view: &View) -> Result<Simulation, Ref
     let Some((_, base)) = run.model.time_bases().next() else {
         return Err(Refusal::not_found("time base"));
     };
-    let range = Range {
-        from_s: view.from_s,
-        to_s: view.to_s,
+    let drawn = Drawn {
+        range: Range {
+            from_s: view.from_s,
+            to_s: view.to_s,
+        },
+        points: view.points,
     };
     let signals = errors.iter().filter_map(|error| {
         let signal = run.model.signal(&error.signal)?;
-        let values = signal.values_or_nan();
-        let model = Trace::of((base, values, &Pyramid::new(values)), range, view.points);
+        let model = Points::of(base, signal.values_or_nan(), drawn);
         Some(model.map(|model| SignalRun {
             name: error.signal.clone(),
             unit: unit_of(&error.signal),
