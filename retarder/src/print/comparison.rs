@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use model_lab::result::{
     Horizon, RegimeBin, RegimeShares, SignalComparison, TimeOffset, Traces, Warning,
 };
-use recording::{Recording, Unit};
+use recording::{Recording, Trace, Unit};
 
-use super::chart::{Chart, Trace};
+use super::chart::{Chart, Line};
 use super::diagnosis::conditions;
 use super::number::{or_dash, percent, signed, significant};
 use super::table::{Align, Table, bar, verdict};
@@ -166,27 +166,23 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     let (Some(measured), Some(modelled), Some(residual)) = (measured, modelled, residual) else {
         return String::new();
     };
-    let span_s = [
-        modelled.times_s[0],
-        modelled.times_s[modelled.times_s.len() - 1],
-    ];
+    let times_s = modelled.trace.times_s();
+    let span_s = [times_s[0], times_s[times_s.len() - 1]];
     let overlay_title = format!("{} [{}]", signal.name, modelled.unit.symbol());
     let overlay = Chart {
         title: &overlay_title,
-        traces: vec![
-            Trace {
+        lines: vec![
+            Line {
                 name: "measured",
                 colour: Colour::First,
                 mark: None,
-                times_s: measured.times_s,
-                values: &measured.values,
+                trace: measured.trace,
             },
-            Trace {
+            Line {
                 name: "modelled",
                 colour: Colour::Second,
                 mark: Some('×'),
-                times_s: modelled.times_s,
-                values: &modelled.values,
+                trace: modelled.trace,
             },
         ],
         band: None,
@@ -203,12 +199,11 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     });
     let residual_chart = Chart {
         title: &residual_title,
-        traces: vec![Trace {
+        lines: vec![Line {
             name: "residual",
             colour: Colour::First,
             mark: None,
-            times_s: residual.times_s,
-            values: &residual.values,
+            trace: residual,
         }],
         band: noise.as_ref().map(|(value, name)| (*value, name.as_str())),
         height: 9,
@@ -218,26 +213,21 @@ pub(super) fn plots(compared: &Compared, terminal: &Terminal) -> String {
     overlay.draw(terminal) + "\n" + &residual_chart.draw(terminal)
 }
 
-/// Signal with its instants.
+/// Time series with its unit.
 struct ShownTrace<'a> {
-    times_s: &'a [f64],
-    values: Cow<'a, [f64]>,
+    trace: Trace<'a>,
     unit: Unit,
 }
 
 /// Returns measured minus modelled of the signal `name`.
-fn residual<'a>(traces: &'a Traces, name: &str) -> Option<ShownTrace<'a>> {
-    Some(ShownTrace {
-        times_s: traces.free_run.time_base_of(name)?.times_s(),
-        values: traces.free_run_residual(name)?.iter().collect(),
-        unit: traces.residual_unit(name)?,
-    })
+fn residual<'a>(traces: &'a Traces, name: &str) -> Option<Trace<'a>> {
+    let residual = traces.free_run_residual(name)?;
+    Trace::on(&traces.free_run, name, residual.iter().collect())
 }
 
 /// Returns the signal `name` in `unit`, or as logged if it cannot be converted.
 fn trace<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option<ShownTrace<'a>> {
     let signal = recording.signal(name)?;
-    let times_s = recording.time_base_of(name)?.times_s();
     let logged = signal.unit();
     let converted = unit.filter(|&unit| unit != logged).and_then(|unit| {
         let values = signal.values_at_ambient(unit, recording::STANDARD_ATMOSPHERE_PA);
@@ -245,8 +235,7 @@ fn trace<'a>(recording: &'a Recording, name: &str, unit: Option<Unit>) -> Option
     });
     let (values, unit) = converted.unwrap_or((Cow::Borrowed(signal.values_or_nan()), logged));
     Some(ShownTrace {
-        times_s,
-        values,
+        trace: Trace::on(recording, name, values)?,
         unit,
     })
 }

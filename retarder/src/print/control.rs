@@ -5,9 +5,9 @@ use hil_harness::checks::{Bound, Check, CheckId};
 use hil_harness::operating_conditions::REFERENCE_TEMPERATURE_C;
 use hil_harness::rigs::RigVerdict;
 use hil_harness::{ConfirmedFault, Requirement, Verdict};
-use recording::Recording;
+use recording::{Recording, Trace};
 
-use super::chart::{Chart, Trace};
+use super::chart::{Chart, Line};
 use super::device;
 use super::number::{significant, value};
 use super::table::{Align, Entry, Table, painted};
@@ -65,45 +65,41 @@ pub(super) fn plots(recording: &Recording, terminal: &Terminal) -> String {
     let Some(times) = recording.time_base_of("p_ch") else {
         return String::new();
     };
-    let times_s = times.times_s();
     let span_s = [times.start_s(), times.end_s()];
-    let values = |name: &str| {
-        recording
-            .signal(name)
-            .map_or(&[][..], |signal| signal.values_or_nan())
-    };
-    let trace = |name: &'static str, signal: &str, colour, mark| Trace {
-        name,
-        colour,
-        mark,
-        times_s,
-        values: values(signal),
+    let line = |name, signal: &str, colour, mark| {
+        let trace = Trace::of(recording, signal)?;
+        Some(Line {
+            name,
+            colour,
+            mark,
+            trace,
+        })
     };
     let pressure = Chart {
         title: "pressure [bar gauge]",
-        traces: vec![
-            trace("reference", "p_ref", Colour::Second, Some('×')),
-            trace("chamber", "p_ch", Colour::First, None),
-        ],
+        lines: [
+            line("reference", "p_ref", Colour::Second, Some('×')),
+            line("chamber", "p_ch", Colour::First, None),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         band: None,
         height: 12,
         span_s,
         at_least: Some([0.0, 1.0]),
     };
     // The vent valve lowers the pressure, so its duty cycle is drawn downwards.
-    let vent: Vec<f64> = values("duty_vent").iter().map(|duty| -duty).collect();
+    let vent = line("vent (downwards)", "duty_vent", Colour::Second, None).map(|line| Line {
+        trace: line.trace.times(-1.0),
+        ..line
+    });
     let duty = Chart {
         title: "duty cycle [%]",
-        traces: vec![
-            trace("fill", "duty_fill", Colour::First, None),
-            Trace {
-                name: "vent (downwards)",
-                colour: Colour::Second,
-                mark: None,
-                times_s,
-                values: &vent,
-            },
-        ],
+        lines: line("fill", "duty_fill", Colour::First, None)
+            .into_iter()
+            .chain(vent)
+            .collect(),
         band: None,
         height: 7,
         span_s,

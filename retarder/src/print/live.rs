@@ -1,5 +1,6 @@
 //! Live plot of a running loop.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{IsTerminal as _, Write as _};
 use std::thread;
@@ -9,8 +10,9 @@ use ecu::{FaultSet, Mode};
 use hil_harness::Scenario;
 use hil_harness::run::Moment;
 use hil_harness::wire;
+use recording::Trace;
 
-use super::chart::{Chart, Trace};
+use super::chart::{Chart, Line};
 use super::{Colour, Terminal};
 
 /// Time of the run that the plot shows (s).
@@ -26,6 +28,8 @@ pub(crate) struct Live {
     is_shown: bool,
     scenario: String,
     end_s: f64,
+    /// Sample time of the ECU (s).
+    sample_s: f64,
     /// Speed relative to real time; 0: no limit.
     pace: u32,
     start: Option<Instant>,
@@ -46,6 +50,7 @@ impl Live {
             is_shown: std::io::stderr().is_terminal(),
             scenario: scenario.name.clone(),
             end_s: f64::from(scenario.duration_samples) * scenario.plant.ecu.sample_time_s,
+            sample_s: scenario.plant.ecu.sample_time_s,
             pace,
             start: None,
             painted: None,
@@ -88,27 +93,32 @@ impl Live {
         thread::sleep(due.saturating_duration_since(Instant::now()));
     }
 
-    fn picture(&self, moment: &Moment<'_>) -> String {
+    fn picture<'a>(&'a self, moment: &Moment<'_>) -> String {
         let now_s = moment.time_s;
         let from_s = (now_s - WINDOW_S).max(self.times_s[0]);
         let first = self.times_s.partition_point(|time| *time < from_s);
-        let trace = |name, colour, mark, values| Trace {
-            name,
-            colour,
-            mark,
-            times_s: &self.times_s[first..],
-            values,
+        let trace = |values: &'a [f64]| {
+            Trace::new(
+                &self.times_s[first..],
+                Cow::from(&values[first..]),
+                self.sample_s,
+            )
         };
         let chart = Chart {
             title: "pressure [bar gauge]",
-            traces: vec![
-                trace(
-                    "reference",
-                    Colour::Second,
-                    Some('×'),
-                    &self.references[first..],
-                ),
-                trace("chamber", Colour::First, None, &self.pressures[first..]),
+            lines: vec![
+                Line {
+                    name: "reference",
+                    colour: Colour::Second,
+                    mark: Some('×'),
+                    trace: trace(&self.references),
+                },
+                Line {
+                    name: "chamber",
+                    colour: Colour::First,
+                    mark: None,
+                    trace: trace(&self.pressures),
+                },
             ],
             band: None,
             height: 12,

@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 
 use raster::{DOTS, Raster};
 
+use recording::Trace;
+
 use super::number::significant;
 use super::{Colour, Terminal, painted_lines};
 
@@ -13,7 +15,7 @@ use super::{Colour, Terminal, painted_lines};
 pub(super) struct Chart<'a> {
     /// Shown quantity with its unit.
     pub(super) title: &'a str,
-    pub(super) traces: Vec<Trace<'a>>,
+    pub(super) lines: Vec<Line<'a>>,
     /// Marked band of values around 0, and its meaning.
     pub(super) band: Option<(f64, &'a str)>,
     /// Height without title and axis (characters).
@@ -24,15 +26,13 @@ pub(super) struct Chart<'a> {
     pub(super) at_least: Option<[f64; 2]>,
 }
 
-/// One time series.
-pub(super) struct Trace<'a> {
+/// One time series, as it is drawn.
+pub(super) struct Line<'a> {
     pub(super) name: &'a str,
     pub(super) colour: Colour,
     /// Character that draws the series without colours; `None` draws a line.
     pub(super) mark: Option<char>,
-    pub(super) times_s: &'a [f64],
-    /// Values; NaN if missing.
-    pub(super) values: &'a [f64],
+    pub(super) trace: Trace<'a>,
 }
 
 /// Characters for the labels of the values.
@@ -54,8 +54,8 @@ impl Chart<'_> {
             range: [low, high],
         };
         let mut raster = Raster::new(columns, self.height);
-        for trace in &self.traces {
-            frame.draw(trace, &mut raster, terminal.is_coloured);
+        for line in &self.lines {
+            frame.draw(line, &mut raster, terminal.is_coloured);
         }
         let mut text = self.heading(terminal);
         let ticks = frame.value_ticks();
@@ -81,16 +81,16 @@ impl Chart<'_> {
 
     fn heading(&self, terminal: &Terminal) -> String {
         let mut text = terminal.paint(Colour::Title, self.title);
-        for trace in &self.traces {
-            let key = match trace.mark {
+        for line in &self.lines {
+            let key = match line.mark {
                 Some(mark) if !terminal.is_coloured => mark.to_string().repeat(2),
                 _ => "──".to_owned(),
             };
             let _ = write!(
                 text,
                 "   {} {}",
-                terminal.paint(trace.colour, &key),
-                trace.name
+                terminal.paint(line.colour, &key),
+                line.name
             );
         }
         if let Some((_, name)) = self.band {
@@ -103,13 +103,12 @@ impl Chart<'_> {
     fn range(&self) -> Option<[f64; 2]> {
         let band = self.band.map(|(half_width, _)| [-half_width, half_width]);
         let bounds = band.into_iter().chain(self.at_least).flatten();
-        let values = self.traces.iter().flat_map(|trace| {
-            let shown = trace.times_s.iter().zip(trace.values);
-            shown.filter(|&(time_s, _)| (self.span_s[0]..=self.span_s[1]).contains(time_s))
-        });
-        let all = values
-            .map(|(_, &value)| value)
-            .filter(|value| value.is_finite());
+        let window_s = self.span_s[0]..self.span_s[1];
+        let extents = self.lines.iter().map(|line| line.trace.extent(&window_s));
+        let extents = extents
+            .flatten()
+            .flat_map(|extent| [extent.start, extent.end]);
+        let all = extents.filter(|value| value.is_finite());
         let [low, high] = all
             .chain(bounds)
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -157,23 +156,25 @@ impl Frame {
         (row < self.rows).then_some(row)
     }
 
-    fn draw(&self, trace: &Trace<'_>, raster: &mut Raster<Colour>, is_coloured: bool) {
-        let mark = trace.mark.filter(|_| !is_coloured);
+    fn draw(&self, line: &Line<'_>, raster: &mut Raster<Colour>, is_coloured: bool) {
+        let trace = &line.trace;
+        let mark = line.mark.filter(|_| !is_coloured);
+        let rows = trace.rows(&(self.span_s[0]..self.span_s[1]));
         let mut last: Option<(isize, isize)> = None;
         let mut last_mark = isize::MIN;
-        for (&time_s, &value) in trace.times_s.iter().zip(trace.values) {
-            if !value.is_finite() || !(self.span_s[0]..=self.span_s[1]).contains(&time_s) {
+        for row in trace.decimated(rows, DOTS[0] * self.columns) {
+            let Some(row) = row.filter(|&row| trace.values()[row].is_finite()) else {
                 last = None;
                 continue;
-            }
-            let place = (self.x(time_s), self.y(value));
+            };
+            let place = (self.x(trace.times_s()[row]), self.y(trace.values()[row]));
             match mark {
                 Some(mark) if place.0 / (DOTS[0] * MARK_DISTANCE) as isize != last_mark => {
                     last_mark = place.0 / (DOTS[0] * MARK_DISTANCE) as isize;
-                    raster.mark(place.0, place.1, mark, trace.colour);
+                    raster.mark(place.0, place.1, mark, line.colour);
                 }
                 Some(_) => {}
-                None => raster.line(last.unwrap_or(place), place, trace.colour),
+                None => raster.line(last.unwrap_or(place), place, line.colour),
             }
             last = Some(place);
         }
@@ -286,12 +287,11 @@ mod tests {
         let values: Vec<f64> = times_s.iter().map(|time_s| time_s - 5.0).collect();
         let chart = Chart {
             title: "error [bar]",
-            traces: vec![Trace {
+            lines: vec![Line {
                 name: "ramp",
                 colour: Colour::First,
                 mark: None,
-                times_s: &times_s,
-                values: &values,
+                trace: Trace::new(times_s, values.into(), 0.1),
             }],
             band: Some((2.0, "noise")),
             height: 9,
@@ -324,6 +324,35 @@ mod tests {
             assert!(text.contains(label), "{label}: {text}");
         }
         assert_eq!(text.lines().count(), 1 + 9 + 2);
+    }
+
+    /// Defect seen: a pause of the logger was drawn as a line from its begin to its end.
+    #[test]
+    fn a_pause_of_the_log_breaks_the_line() {
+        let tenths = (0..=20).chain(80..=100);
+        let times_s: Vec<f64> = tenths.map(|tenth| f64::from(tenth) * 0.1).collect();
+        let values = vec![1.0; times_s.len()];
+        let chart = Chart {
+            title: "pressure [bar]",
+            lines: vec![Line {
+                name: "chamber",
+                colour: Colour::First,
+                mark: None,
+                trace: Trace::new(times_s, values.into(), 0.1),
+            }],
+            band: None,
+            height: 3,
+            span_s: [0.0, 10.0],
+            at_least: Some([0.0, 2.0]),
+        };
+        let text = chart.draw(&Terminal {
+            width: 60,
+            is_coloured: false,
+        });
+        let is_dotted = |character: &char| ('\u{2801}'..='\u{28ff}').contains(character);
+        let drawn = text.chars().filter(is_dotted).count();
+        // Four of ten seconds, in 50 columns.
+        assert!((18..26).contains(&drawn), "{drawn} columns:\n{text}");
     }
 
     #[test]
