@@ -112,7 +112,7 @@ mod tests {
     /// Choked flow: after the dead time, the time is inversely proportional to the area of the orifice.
     #[test]
     fn a_smaller_orifice_takes_longer_in_inverse_proportion_to_its_area() {
-        let step = steps(&scenario())[2].clone();
+        let step = steps(&scenario())[2];
         let times = [1.9, 0.9, 0.7].map(|bore_mm| {
             let plant = crate::scenario::with_orifices(scenario().plant, 1e-3 * bore_mm);
             let minimum = minimum(&scenario().on(plant), &step).unwrap();
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_coil_without_enough_current_never_reaches_the_reference() {
-        let step = steps(&scenario())[1].clone();
+        let step = steps(&scenario())[1];
         let at = |volt| Scenario {
             supply: Some(Supply::Constant(volt)),
             ..scenario()
@@ -145,7 +145,7 @@ mod tests {
         let step = StepResponse {
             from_bar: 5.0,
             to_bar: 3.0,
-            ..steps(&self::scenario())[2].clone()
+            ..steps(&self::scenario())[2]
         };
         assert!(minimum(&scenario, &step).is_some_and(|samples| samples < 20));
         let step = StepResponse {

@@ -170,7 +170,7 @@ pub(super) fn duties(
     sheet.legend((corner.0 + width_px, corner.1 - 16), &legend)?;
     for ((_, colour), trace) in traces.iter().rev() {
         chart.curve(
-            &curve::stairs(&trace, window_s, width_px as usize),
+            &curve::stairs(trace, window_s, width_px as usize),
             *colour,
             1.25,
         )?;
