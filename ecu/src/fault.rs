@@ -102,7 +102,7 @@ faults! {
         "shut valves would keep the remaining pressure; a ramp makes the driver notice the loss";
     FillCoilOpen = 13: 3, Ramp, "driven by 20 % or more, settled, and less current than `coil_current_min_ma`",
         "the spring shuts the valve; the remaining pressure can be ramped down";
-    FillCoilShort = 14: 3, Vent, "more current than `coil_current_max_ma`, or some without being driven",
+    FillCoilShort = 14: 3, Vent, "more current than `coil_current_max_ma` at no more than `battery_max_v`, or some without being driven",
         "a driver that conducts without a command may be filling the chamber";
     VentCoilOpen = 15: 3, Off, "as `FillCoilOpen`, of the vent valve",
         "a coil that does not respond cannot vent the chamber; without current the spring sets the position of the valve";

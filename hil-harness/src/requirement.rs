@@ -1,6 +1,7 @@
 //! Requirements on the loop, defined in one place, with their source.
 
 use controller::{Distributor, Settings};
+use ecu::VentValve;
 
 /// Requirements on the loop. Pressures that the thesis gives in p_sup keep this unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,9 @@ pub struct Requirement {
     pub duty_factors: [f64; 2],
     /// Whether model-based pulses drive the valves: a pulse has no limits of the duty cycle.
     pub is_pulsed: bool,
+    /// Position of the vent valve without current. The duty cycle that opens a normally open one is 100 % less that of its
+    /// coil, and tables 4.1 and 4.2 have no limits for it.
+    pub vent_valve: VentValve,
     /// Largest number of valve actuations within any one second at rest, both valves together. Assumed, because the
     /// thesis gives no number: it asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few
     /// pulses; more is a limit cycle.
@@ -118,6 +122,7 @@ impl Requirement {
         duty_vent_pct: [25.5, 80.0],
         duty_factors: [1.0, 1.0],
         is_pulsed: false,
+        vent_valve: VentValve::NormallyClosed,
         rest_actuations_per_s: 3,
         is_rest_binding: false,
         lifts_per_s: None,
@@ -139,6 +144,15 @@ impl Requirement {
         }
     }
 
+    /// Returns the requirement on a loop with this kind of vent valve.
+    #[must_use]
+    pub const fn with_vent_valve(&self, vent_valve: VentValve) -> Self {
+        Self {
+            vent_valve,
+            ..*self
+        }
+    }
+
     /// Returns the requirement on a loop that may multiply its duty limits by these factors.
     #[must_use]
     pub const fn with_duty_factors(&self, duty_factors: [f64; 2]) -> Self {
@@ -154,6 +168,7 @@ impl Requirement {
             both_valves: self.both_valves,
             duty_factors: self.duty_factors,
             is_pulsed: self.is_pulsed,
+            vent_valve: self.vent_valve,
             ..Self::THESIS
         };
         match *self == of_thesis {

@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use controller::Settings;
+use ecu::VentValve;
 use recording::Recording;
 
 use crate::checks::{JudgeError, Verdict, judge};
@@ -34,6 +35,8 @@ pub struct Run {
     pub controller: Settings,
     /// Smallest and largest factor by which the conditions of the run multiply the duty limits.
     pub duty_factors: [f64; 2],
+    /// Position of the vent valve without current, as the ECU was told.
+    pub vent_valve: VentValve,
 }
 
 impl Run {
@@ -55,7 +58,8 @@ impl Run {
     pub fn verdict(&self, requirement: &Requirement) -> Result<Verdict, JudgeError> {
         let requirement = requirement
             .with_controller(&self.controller)
-            .with_duty_factors(self.duty_factors);
+            .with_duty_factors(self.duty_factors)
+            .with_vent_valve(self.vent_valve);
         let verdict = judge(&self.recording, &requirement)?;
         Ok(Verdict {
             confirmed_faults: Some(self.confirmed_faults()),
@@ -185,5 +189,6 @@ pub fn run_watched(
         log,
         controller: scenario.controller,
         duty_factors,
+        vent_valve: scenario.ecu_settings().vent_valve,
     })
 }

@@ -343,6 +343,7 @@ mod tests {
     fn a_normally_open_valve_opens_by_the_share_of_time_without_current() {
         let mut parameters = PlantParameters::nominal();
         parameters.functions[VENT] = ValveFunction::NormallyOpen;
+        parameters.armature.preload_vent_n = 1.0;
         let opening = |with_pressure| opening_duty_pct(&parameters, ValveId::Vent, with_pressure);
         let (with, without) = (opening(true).unwrap(), opening(false).unwrap());
         let holding = holding_duty_pct(&parameters, ValveId::Vent).unwrap();

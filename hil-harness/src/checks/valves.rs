@@ -1,5 +1,6 @@
 //! Duty cycles and movements of the valves.
 
+use ecu::VentValve;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,42 +30,61 @@ pub(super) fn never_both(trajectory: &Trajectory, requirement: &Requirement) -> 
     if requirement.both_valves == BothValves::Allowed {
         return None;
     }
-    let [fill, vent] = &trajectory.duty;
-    let both = |&index: &usize| fill[index] > 0.0 && vent[index] > 0.0;
+    let both = |&index: &usize| {
+        let opening_pct = openings_pct(trajectory, requirement, index);
+        opening_pct.iter().all(|&opening_pct| opening_pct > 0.0)
+    };
+    let both_are = match requirement.vent_valve {
+        VentValve::NormallyClosed => "energised",
+        VentValve::NormallyOpen => "opened",
+    };
     Some(count_of(
         CheckId::NeverBothValves,
-        "the two valves are never energised in the same sample (Scheme 1, section 6.3.1)"
-            .to_owned(),
+        format!("the two valves are never {both_are} in the same sample (Scheme 1, section 6.3.1)"),
         trajectory,
         both,
     ))
 }
 
-/// Checks that a duty cycle is 0 or within its limits, which pulses do not have.
+/// Returns the duty cycles of the openings of both valves in a sample (%).
+fn openings_pct(trajectory: &Trajectory, requirement: &Requirement, index: usize) -> [f64; 2] {
+    let [fill, vent] = trajectory.duty.each_ref().map(|duty| duty[index]);
+    match requirement.vent_valve {
+        VentValve::NormallyClosed => [fill, vent],
+        VentValve::NormallyOpen => [fill, 100.0 - vent],
+    }
+}
+
+/// Checks that a duty cycle is 0 or within its limits, which pulses and normally open valves do not have.
 pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Option<Check> {
     if requirement.is_pulsed {
         return None;
     }
     let [factor_min, factor_max] = requirement.duty_factors;
     let scaled = |[min, max]: [f64; 2]| [factor_min * min, (factor_max * max).min(100.0)];
-    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct].map(scaled);
+    let [fill_min, fill_max] = requirement.duty_fill_pct;
+    let [vent_min, vent_max] = requirement.duty_vent_pct;
+    let is_vent_limited = requirement.vent_valve == VentValve::NormallyClosed;
+    let mut limits = vec![scaled(requirement.duty_fill_pct)];
+    let mut within = format!("{fill_min} to {fill_max} % (fill valve)");
+    if is_vent_limited {
+        limits.push(scaled(requirement.duty_vent_pct));
+        within += &format!(" and {vent_min} to {vent_max} % (vent valve)");
+    }
     let beyond = |&index: &usize| {
         trajectory
             .duty
             .iter()
-            .zip(limits)
+            .zip(&limits)
             .any(|(duty, [min, max])| {
                 let duty = duty[index];
                 duty != 0.0 && !(min - ROUNDING_PCT..=max + ROUNDING_PCT).contains(&duty)
             })
     };
-    let limits = [requirement.duty_fill_pct, requirement.duty_vent_pct];
-    let [[fill_min, fill_max], [vent_min, vent_max]] = limits;
     Some(count_of(
         CheckId::DutyLimits,
         format!(
-            "a duty cycle is 0 or within {fill_min} to {fill_max} % (fill valve) and {vent_min} to {vent_max} % \
-             (vent valve){}{}",
+            "a duty cycle is 0 or within {within}{}{}",
             compensated(requirement),
             requirement.cite("tables 4.1, 4.2, section 6.3.1")
         ),

@@ -28,7 +28,7 @@ pub(crate) fn run(plant: &NamedPlant, controller: &NamedController) -> Result<St
         .filter(|(key, _)| found.iter().all(|(other, _)| other.path() != key.path()))
         .map(|(key, _)| (*key, None));
     let changes: Vec<_> = changed.chain(dropped).collect();
-    let origin = format!("`retarder tune` on the model of the {}", plant.name);
+    let origin = format!("`retarder tune`, {}", plant.name);
     Ok(controller_file::with_values(
         &controller.text,
         &changes,

@@ -2,15 +2,15 @@
 
 use crate::runner::{Bench, assert_contains};
 
-const NORMALLY_OPEN: [&str; 2] = ["--set", "armature.preload_vent_n=1"];
-
 /// Plant file with a normally open vent valve.
 fn normally_open(bench: &Bench) -> String {
-    let mut arguments = vec!["parameters", "--toml"];
-    arguments.extend(NORMALLY_OPEN);
-    let plant = bench.run(&arguments).ended_with(0);
-    let valves = "[valves]\nvent = \"normally_open\"\n";
-    format!("{plant}\n{valves}")
+    let preload = "armature.preload_vent_n=1";
+    let plant = bench
+        .run(&["parameters", "--toml", "--set", preload])
+        .ended_with(0);
+    let closed = "vent = \"normally_closed\"";
+    assert_contains(&plant, &[closed]);
+    plant.replace(closed, "vent = \"normally_open\"")
 }
 
 /// Each changed value names the plant, the rest is the text of the controller, and the loop accepts the file.
@@ -23,7 +23,7 @@ fn a_tuned_controller_file_has_the_limits_of_the_plant_and_meets_its_requirement
         &tuned,
         &[
             "gain_pct_per_bar = 35   # tuned: 26 does not overshoot",
-            "# `retarder tune` on the model of plant.toml",
+            "# `retarder tune`, plant.toml",
             "vent_without_pressure_pct = 29.",
         ],
     );
