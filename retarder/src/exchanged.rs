@@ -5,8 +5,10 @@ use std::io::Read as _;
 use std::path::Path;
 
 use clap::error::ErrorKind;
+use clap::{Arg, Command, CommandFactory as _};
 use recording::LogFormat;
 
+use crate::cli::Cli;
 use crate::failure::Failure;
 use crate::shell::quoted;
 
@@ -162,10 +164,40 @@ fn items(arguments: Vec<String>) -> (String, Vec<Item>) {
     (command, items)
 }
 
-/// Returns the command in which each file has the option of its kind; `wrong` is one that does not.
+/// Files that a command takes.
+struct Taken {
+    options: Vec<String>,
+    /// Whether it takes logs without an option.
+    logs: bool,
+}
+
+impl Taken {
+    fn by(command: &str) -> Self {
+        let whole = Cli::command();
+        let arguments = || {
+            let command = whole.find_subcommand(command);
+            command.into_iter().flat_map(Command::get_arguments)
+        };
+        Self {
+            options: arguments()
+                .filter_map(Arg::get_long)
+                .map(|name| format!("--{name}"))
+                .collect(),
+            logs: arguments().any(Arg::is_positional),
+        }
+    }
+
+    fn has(&self, option: &str) -> bool {
+        self.options.iter().any(|taken| taken == option)
+    }
+}
+
+/// Returns the command in which each file has the option of its kind; `wrong` is one that does not. A command without an
+/// option for a file of this kind gets a placeholder for the file that it needs.
 fn corrected(arguments: Vec<String>, wrong: &Path, kind_of: &dyn Fn(&Path) -> Kind) -> String {
     let (command, items) = items(arguments);
     let mut text = format!("retarder {command}");
+    let taken = Taken::by(&command);
     let (mut moved, mut has_log) = (String::new(), false);
     for Item { option, value } in items {
         let path = Path::new(&value);
@@ -186,7 +218,11 @@ fn corrected(arguments: Vec<String>, wrong: &Path, kind_of: &dyn Fn(&Path) -> Ki
         let is_log = matches!(option.as_deref(), Some("--log" | "--check"));
         has_log |= is_log && fits || !fits && kind == Kind::Log;
         match (kind.option().filter(|_| !fits), option) {
-            (Some(right), _) => moved += &format!(" {right} {shown}"),
+            (Some(right), _) if taken.has(right) => moved += &format!(" {right} {shown}"),
+            (Some(_), Some(option)) => {
+                text += &format!(" {option} {}", option[2..].to_uppercase());
+            }
+            (Some(_), None) => {}
             (None, Some(option)) => text += &format!(" {option} {shown}"),
             (None, None) => {
                 // Another log without an option stays where it is.
@@ -196,10 +232,11 @@ fn corrected(arguments: Vec<String>, wrong: &Path, kind_of: &dyn Fn(&Path) -> Ki
         }
     }
     text += &moved;
-    if !has_log {
-        text += " --log LOG";
+    match (has_log, taken.has("--log"), taken.logs) {
+        (false, true, _) => text + " --log LOG",
+        (false, false, true) => text + " LOG",
+        _ => text,
     }
-    text
 }
 
 #[cfg(test)]
@@ -262,6 +299,13 @@ mod tests {
             "a.csv",
             "retarder compare --log a.csv",
         );
+        // These commands have no option `--log`.
+        check(
+            "control --plant a.csv --rigs 20",
+            "a.csv",
+            "retarder control --plant PLANT --rigs 20",
+        );
+        check("inspect p.toml", "p.toml", "retarder inspect LOG");
         check(
             "refine --log a.csv --check p.toml --out q.toml",
             "p.toml",

@@ -237,11 +237,12 @@ pub(crate) struct SettingsArgs {
 #[command(after_help = "\
 Examples:
   retarder tune --plant my-plant.toml > my-controller.toml
-  retarder control --plant my-plant.toml --controller my-controller.toml --rigs 20    its requirements on 20 rigs
+  retarder control --plant my-plant.toml --controller my-controller.toml --rigs 20
 
-The experiments of section 4.1 of the thesis run on the model: the lowest duty cycle that opens each valve, with and without
-the supply pressure across it, and the lowest that keeps it open. Supply voltage, coil resistance, supply pressure, orifice and
-rates are those of the plant. Gains and times stay those of the controller that is tuned.")]
+The experiments of section 4.1 of the thesis run on the model: the lowest duty cycle that opens
+each valve, with and without the supply pressure across it, and the lowest that keeps it open.
+Supply voltage, coil resistance, supply pressure, orifice and rates are those of the plant. Gains
+and times stay those of the controller that is tuned.")]
 pub(crate) struct TuneArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
