@@ -11,7 +11,8 @@ use hil_harness::condition_table::{Condition, NEVER_SAMPLES, TABLE_HEAD};
 use hil_harness::scenario::with_normally_open_vent;
 use hil_harness::{Requirement, Scenario, controller_file};
 
-const RIGS: u32 = 40;
+/// The documents show 40 rigs; an unoptimized build runs four, to show that the example works.
+const RIGS: u32 = if cfg!(debug_assertions) { 4 } else { 40 };
 /// Seed of the rigs; the recommended controller was tuned on those of seed 1.
 const SEED: u64 = 2026;
 

@@ -14,7 +14,7 @@ use crate::{packages, process, tests};
 /// Timeout of one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
 /// Timeout of one example.
-const EXAMPLE_DEADLINE: Duration = Duration::from_secs(60);
+const EXAMPLE_DEADLINE: Duration = Duration::from_secs(300);
 /// Timeout of rustup's download.
 const RUSTUP_DEADLINE: Duration = Duration::from_secs(300);
 
