@@ -37,7 +37,7 @@ use result::Left;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
 };
-use stages::Fitted;
+use stages::{Fitted, Intervals};
 pub(super) use weak_directions::measure_weak_directions;
 
 /// Estimates the ordinary parameters of `plant`, and the parameters of the effects that it has, from `logs`. Validation uses data that was
@@ -51,6 +51,27 @@ pub fn estimate(
     plant: &PlantParameters,
     logs: &[Recording],
     check: &[Recording],
+    watch: Watch,
+) -> Result<EstimatedPlant, DiagnoseError> {
+    estimate_with(plant, logs, check, Intervals::Always, watch)
+}
+
+/// Estimates as [`estimate`] does. Where more than the noise is left, the intervals are too narrow in directions that the logs leave
+/// undetermined: a search for effects does not use them.
+pub(super) fn for_search(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    watch: Watch,
+) -> Result<EstimatedPlant, DiagnoseError> {
+    estimate_with(plant, logs, check, Intervals::OfAdequateModel, watch)
+}
+
+fn estimate_with(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    intervals: Intervals,
     watch: Watch,
 ) -> Result<EstimatedPlant, DiagnoseError> {
     let begin = Instant::now();
@@ -69,7 +90,7 @@ pub fn estimate(
         fit,
         sharp,
         is_converged,
-    } = stages::fit(plant, &mut split, watch)?;
+    } = stages::fit(plant, &mut split, intervals, watch)?;
     let bench = bench(plant, &split);
     let trial = bench.judge(plant.effects.clone(), unknowns, fit);
     let trial = trial.ok_or_else(|| split.not_simulated())?;

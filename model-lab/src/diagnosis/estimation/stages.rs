@@ -58,10 +58,19 @@ pub(super) struct Fitted {
     pub(super) is_converged: bool,
 }
 
+/// Models whose intervals are measured in directions that the logs leave undetermined, which may take hundreds of simulations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Intervals {
+    Always,
+    /// Those of a model that leaves no more than the noise.
+    OfAdequateModel,
+}
+
 /// Fits the ordinary parameters of `plant`, the parameters of its effects and the clocks of the loggers.
 pub(super) fn fit(
     plant: &PlantParameters,
     split: &mut Split,
+    intervals: Intervals,
     watch: Watch,
 ) -> Result<Fitted, DiagnoseError> {
     let mut unknowns = unknowns_of(plant, &split.fitting);
@@ -110,7 +119,9 @@ pub(super) fn fit(
     let mut as_fitted = Fitter::accurate(&split.fitting, &unknowns);
     as_fitted.loss = fitter.loss;
     let is_converged = !is_material(&kept) || as_fitted.is_converged(&sharp);
-    measure_weak_directions(&accurate, &mut sharp);
+    if intervals == Intervals::Always || !is_material(&kept) {
+        measure_weak_directions(&accurate, &mut sharp);
+    }
     if !is_material(&kept)
         && let Some(fit) = settled(&accurate, &sharp)
     {

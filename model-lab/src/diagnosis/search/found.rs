@@ -24,6 +24,15 @@ use crate::result::Horizon;
 /// Share of the decrease of the squared error by an effect from which on a better fit of the plain plant accounts for it.
 const MOST: f64 = 0.5;
 
+/// Effects that are searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// As many as are missing.
+    All,
+    /// A single one that explains everything, because other values of the ordinary parameters do so as well.
+    One,
+}
+
 /// Finds what `plain`, the refitted plant, lacks.
 pub(crate) fn find(
     split: &mut Split,

@@ -52,8 +52,8 @@ pub(crate) enum Effort {
     Glance,
     /// Every form with a sufficient expected gain, completed where it gains.
     Search,
-    /// Effects that may replace the named effect `of`, which has the given gain.
-    Rival { of: &'static str, gain: f64 },
+    /// Effects that may replace the named effect `of`, which has the given gain; without it, other values of the ordinary parameters.
+    Rival { of: Option<&'static str>, gain: f64 },
 }
 
 impl Effort {
@@ -79,7 +79,7 @@ impl Effort {
     }
 
     fn leaves_out(self, effect: &str) -> bool {
-        matches!(self, Self::Rival { of, .. } if of == effect)
+        matches!(self, Self::Rival { of: Some(of), .. } if of == effect)
     }
 }
 

@@ -61,6 +61,27 @@ pub(crate) fn of_plain_alone(
     Ok(Selection::new(plain, singles))
 }
 
+/// Selects the effect that brings `plain` to the noise, as other values of its ordinary parameters do; none where no effect does.
+pub(crate) fn of_one_effect(
+    bench: &Bench,
+    plain: Trial,
+    watch: Watch,
+) -> Result<Selection, DiagnoseError> {
+    let effort = Effort::Rival {
+        of: None,
+        gain: plain.fit.cost - bench.fitting.counted_samples(),
+    };
+    let singles = try_all(bench, &plain, effort, "single effects", watch)?;
+    let single = best_credible(bench, &plain, &singles);
+    let single = single.filter(|single| !single.is_material() && single.is_evident_over(&plain));
+    let mut found = Selection::new(plain, singles);
+    if let Some(single) = single {
+        found.rivals = vec![found.singles.clone()];
+        found.steps.push(single);
+    }
+    Ok(found)
+}
+
 /// Selects effects by forward selection, from `plain` and every effect alone. It ends where no material error remains, or where no effect
 /// explains the remaining one.
 pub(crate) fn forward_selection(
@@ -512,7 +533,7 @@ fn rivals(
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {
     let effort = Effort::Rival {
-        of: named,
+        of: Some(named),
         gain: without.fit.cost - last.fit.cost,
     };
     try_all(
