@@ -51,9 +51,7 @@ pub use search::{Progress, Watch};
 
 use fit::gather::gather;
 use fit::trial::Bench;
-use refitted::Refitted;
-use result::{Remaining, Verdict};
-use search::found::Extent;
+use result::{Cost, Remaining};
 use second_look::SecondLook;
 
 /// Finds the effects that `plant` lacks to explain `logs`: those of the library, and the user-defined ones of the plant file. Validation uses `check`, or without it, held-out blocks of the
@@ -91,44 +89,10 @@ pub fn diagnose_with(
         check,
         watch,
     };
-    let mut refitted = Refitted::fit(plant, logs, check, watch)?;
-    let mut beyond = None;
-    if refitted.is_material() && second_look::may_be_first_file(plant) {
-        let estimated = estimation::for_search(plant, logs, check, watch)?;
-        if second_look::is_promising(plant, &estimated.estimation) {
-            let single = refitted.search(library, Extent::One, watch)?.diagnosis;
-            if single.verdict != Verdict::Found {
-                let is_far_nearer = second_look::is_far_nearer(&estimated.estimation, &single);
-                let mut second = look.at(estimated, &single)?;
-                second.cost.add(&single.cost);
-                if second_look::is_final(&second, is_far_nearer) {
-                    return Ok(second);
-                }
-                beyond = Some(second);
-            }
-            refitted = Refitted::fit(plant, logs, check, watch)?;
-        }
-    }
-    let first = refitted.search(library, Extent::All, watch)?;
-    if let Some(second) = beyond {
-        return Ok(first.or(second));
-    }
-    if !first.is_held_back {
-        return Ok(first.diagnosis);
-    }
-    let with_found = first.plant_with_found(plant);
-    let mut estimated = estimation::for_search(&with_found, logs, check, watch)?;
-    if !second_look::is_nearer(&estimated.estimation, &first.diagnosis) {
-        let mut diagnosis = first.diagnosis;
-        diagnosis.cost.add(&estimated.estimation.cost);
-        return Ok(diagnosis);
-    }
-    let found = first.found.iter();
-    estimated.plant = found.fold(estimated.plant, |plant, effect| {
-        plant.without_effect(effect.id())
-    });
-    let second = look.at(estimated, &first.diagnosis)?;
-    Ok(first.or(second))
+    let mut costs = Vec::new();
+    let mut diagnosis = look.around_first(&mut costs)?;
+    diagnosis.cost = Cost::sum(&costs);
+    Ok(diagnosis)
 }
 
 /// Returns the unexplained residual of `plant` on `logs` after its nuisance parameters and its effects are fitted, without a search for

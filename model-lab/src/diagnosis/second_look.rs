@@ -12,11 +12,11 @@ use plant_sim::effects::Effect;
 use recording::Recording;
 
 use super::error::DiagnoseError;
-use super::estimation::{EstimatedPlant, Estimation};
+use super::estimation::{self, EstimatedPlant, Estimation};
 use super::known::{Known, known};
 use super::nuisance::ordinary_names;
 use super::refitted::{self, Refitted};
-use super::result::{Diagnosis, NuisanceValue, OutsideValue, Step, StepKind, Verdict};
+use super::result::{Cost, Diagnosis, NuisanceValue, OutsideValue, Step, StepKind, Verdict};
 use super::search::Watch;
 use super::search::assemble::{self, Answer};
 use super::search::found::Extent;
@@ -29,14 +29,10 @@ const MUCH_NEARER: f64 = 0.5;
 /// The same ratio at which effects within the ranges of the plant file are in vain.
 const FAR_NEARER: f64 = 0.1;
 
-/// Returns whether the `estimated` values, with the effects that `first` names, explain the logs so much better than those within the plant
-/// file's ranges that they justify a second search.
-pub(super) fn is_nearer(estimated: &Estimation, first: &Diagnosis) -> bool {
-    leaves_share(estimated, first, MUCH_NEARER)
-}
-
-fn leaves_share(estimated: &Estimation, first: &Diagnosis, share: f64) -> bool {
-    let pair = first.error_steps.last().zip(estimated.steps.last());
+/// Returns whether the `estimated` values leave at most this `share` of the excess that `first`, the answer within the ranges of the plant file,
+/// leaves.
+fn leaves_share(estimated: &EstimatedPlant, first: &Diagnosis, share: f64) -> bool {
+    let pair = (first.error_steps.last()).zip(estimated.estimation.steps.last());
     pair.is_some_and(|(first, estimated)| excess(estimated) <= share * excess(first))
 }
 
@@ -52,14 +48,14 @@ fn excess(step: &Step) -> f64 {
 }
 
 /// Returns whether `plant` has ordinary values without a statement, which may be as wrong as those of a first plant file.
-pub(super) fn may_be_first_file(plant: &PlantParameters) -> bool {
+fn may_be_first_file(plant: &PlantParameters) -> bool {
     let mut names = ordinary_names();
     names.any(|name| matches!(known(plant, name), Some(Known::Bare { .. })))
 }
 
 /// Returns whether the second look may come first: the `estimated` values leave no more than the noise, or so many of them lie outside of the
 /// ranges of `plant` that it is a first plant file.
-pub(super) fn is_promising(plant: &PlantParameters, estimated: &Estimation) -> bool {
+fn is_promising(plant: &PlantParameters, estimated: &Estimation) -> bool {
     let outside = estimated.parameters.iter().filter(|value| {
         let within = match known(plant, &value.name) {
             Some(Known::Stated { within, .. }) => Some(within),
@@ -72,16 +68,10 @@ pub(super) fn is_promising(plant: &PlantParameters, estimated: &Estimation) -> b
     estimated.is_adequate || outside.count() > FEW
 }
 
-/// Returns whether the `estimated` values leave so little of what `first`, the answer within the ranges of the plant file, leaves, that
-/// effects on top of the latter are in vain.
-pub(super) fn is_far_nearer(estimated: &Estimation, first: &Diagnosis) -> bool {
-    leaves_share(estimated, first, FAR_NEARER)
-}
-
 /// Returns whether the answer of a second look needs no comparison with the effects that are found within the ranges of the plant file: it
 /// explains the logs, and has more values outside of the ranges than an effect could stand for; or it does not, and the plant within the ranges
 /// is far from the logs.
-pub(super) fn is_final(second: &Diagnosis, is_far_nearer: bool) -> bool {
+fn is_final(second: &Diagnosis, is_far_nearer: bool) -> bool {
     if explains(second) {
         second.outside.len() > FEW
     } else {
@@ -96,7 +86,7 @@ fn explains(answer: &Diagnosis) -> bool {
     )
 }
 
-/// Inputs of a second look.
+/// Inputs of a diagnosis with a second look.
 pub(super) struct SecondLook<'a> {
     pub(super) library: &'a [&'static dyn Effect],
     /// Plant file as given.
@@ -107,39 +97,94 @@ pub(super) struct SecondLook<'a> {
 }
 
 impl SecondLook<'_> {
-    /// Searches effects with the `estimated` parameters, and returns the answer relative to the plant file, with which `first` was found. Its
-    /// cost does not contain that of `first`.
-    pub(super) fn at(
+    /// Diagnoses with the second look before or after the first one, where one is needed. Adds the cost of each search and estimation to
+    /// `costs`.
+    pub(super) fn around_first(&self, costs: &mut Vec<Cost>) -> Result<Diagnosis, DiagnoseError> {
+        let mut refitted = self.refitted(self.plant)?;
+        let mut second = None;
+        if refitted.is_material() && may_be_first_file(self.plant) {
+            let estimated = self.estimated(self.plant, costs)?;
+            if is_promising(self.plant, &estimated.estimation) {
+                let single = refitted.search(self.library, Extent::One, self.watch)?;
+                let single = single.diagnosis;
+                costs.push(single.cost.clone());
+                if single.verdict != Verdict::Found {
+                    let answer = self.at(&estimated, &single, costs)?;
+                    if is_final(&answer, leaves_share(&estimated, &single, FAR_NEARER)) {
+                        return Ok(answer);
+                    }
+                    second = Some(answer);
+                }
+                refitted = self.refitted(self.plant)?;
+            }
+        }
+        let first = refitted.search(self.library, Extent::All, self.watch)?;
+        costs.push(first.diagnosis.cost.clone());
+        match second {
+            Some(second) => Ok(first.or(second)),
+            None if first.is_held_back => self.after(first, costs),
+            None => Ok(first.diagnosis),
+        }
+    }
+
+    /// Returns `first`, or the answer of a second look with the effects that it names.
+    fn after(
         &self,
-        estimated: EstimatedPlant,
-        first: &Diagnosis,
+        first: refitted::Answer,
+        costs: &mut Vec<Cost>,
     ) -> Result<Diagnosis, DiagnoseError> {
-        let EstimatedPlant { plant, estimation } = estimated;
-        let second = Refitted::fit(&plant, self.logs, self.check, self.watch)?;
+        let mut estimated = self.estimated(&first.plant_with_found(self.plant), costs)?;
+        if !leaves_share(&estimated, &first.diagnosis, MUCH_NEARER) {
+            return Ok(first.diagnosis);
+        }
+        let found = first.found.iter();
+        estimated.plant = found.fold(estimated.plant, |plant, effect| {
+            plant.without_effect(effect.id())
+        });
+        let second = self.at(&estimated, &first.diagnosis, costs)?;
+        Ok(first.or(second))
+    }
+
+    fn refitted(&self, plant: &PlantParameters) -> Result<Refitted<'_>, DiagnoseError> {
+        Refitted::fit(plant, self.logs, self.check, self.watch)
+    }
+
+    fn estimated(
+        &self,
+        plant: &PlantParameters,
+        costs: &mut Vec<Cost>,
+    ) -> Result<EstimatedPlant, DiagnoseError> {
+        let estimated = estimation::for_search(plant, self.logs, self.check, self.watch)?;
+        costs.push(estimated.estimation.cost.clone());
+        Ok(estimated)
+    }
+
+    /// Searches effects with the `estimated` parameters, and returns the answer relative to the plant file, with which `first` was found.
+    fn at(
+        &self,
+        estimated: &EstimatedPlant,
+        first: &Diagnosis,
+        costs: &mut Vec<Cost>,
+    ) -> Result<Diagnosis, DiagnoseError> {
+        let second = self.refitted(&estimated.plant)?;
         let second = second
             .search(self.library, Extent::All, self.watch)?
             .diagnosis;
-        let mut second = relative_to_file(self.plant, first, second);
-        second.cost.add(&estimation.cost);
-        Ok(second)
+        costs.push(second.cost.clone());
+        Ok(relative_to_file(self.plant, first, second))
     }
 }
 
 impl refitted::Answer {
     /// Returns the answer within the ranges of the plant file, or the `second` one where it explains the logs and this one does not, or
     /// leaves less where parameters reached the ends of their ranges.
-    pub(super) fn or(self, second: Diagnosis) -> Diagnosis {
+    fn or(self, second: Diagnosis) -> Diagnosis {
         let first = self.diagnosis;
         let is_held_back = self.is_held_back;
         let is_better = (is_held_back || !explains(&first))
             && (explains(&second) || !explains(&first))
             && left(&second) <= left(&first);
-        let mut cost = first.cost.clone();
-        cost.add(&second.cost);
-        Diagnosis {
-            cost,
-            ..if is_better { second } else { first }
-        }
+        if is_better { second } else { first }
     }
 }
 

@@ -467,9 +467,16 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Adds the simulations and the time of further work on the same logs.
-    pub(super) fn add(&mut self, further: &Self) {
-        self.simulations += further.simulations;
-        self.elapsed_s += further.elapsed_s;
+    /// Returns the simulations and the time of several works on the same logs, with the rest as in the last one.
+    ///
+    /// # Panics
+    /// Panics if there is none.
+    pub(super) fn sum(of: &[Self]) -> Self {
+        let last = of.last().expect("a diagnosis searches at least once");
+        Self {
+            simulations: of.iter().map(|cost| cost.simulations).sum(),
+            elapsed_s: of.iter().map(|cost| cost.elapsed_s).sum(),
+            ..last.clone()
+        }
     }
 }
