@@ -26,12 +26,12 @@ mod refitted;
 mod remaining;
 pub mod result;
 mod search;
-mod second_look;
 #[cfg(test)]
 mod start_tests;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod with_estimates;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
@@ -52,7 +52,7 @@ pub use search::{Progress, Watch};
 use fit::gather::gather;
 use fit::trial::Bench;
 use result::{Cost, Remaining};
-use second_look::SecondLook;
+use with_estimates::Inputs;
 
 /// Finds the effects that `plant` lacks to explain `logs`: those of the library, and the user-defined ones of the plant file. Validation uses `check`, or without it, held-out blocks of the
 /// logs.
@@ -82,7 +82,7 @@ pub fn diagnose_with(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let look = SecondLook {
+    let inputs = Inputs {
         library,
         plant,
         logs,
@@ -90,7 +90,7 @@ pub fn diagnose_with(
         watch,
     };
     let mut costs = Vec::new();
-    let mut diagnosis = look.around_first(&mut costs)?;
+    let mut diagnosis = inputs.diagnose(&mut costs)?;
     diagnosis.cost = Cost::sum(&costs);
     Ok(diagnosis)
 }

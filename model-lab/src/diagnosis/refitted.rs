@@ -27,7 +27,7 @@ pub(super) struct Refitted<'a> {
     plain: Trial,
 }
 
-/// Diagnosis within the ranges of the plant file, and the inputs of a second look.
+/// Diagnosis within the ranges of the plant file, and what a search with estimated values needs of it.
 pub(super) struct Answer {
     pub(super) diagnosis: Diagnosis,
     /// Named effects with their fitted parameters.

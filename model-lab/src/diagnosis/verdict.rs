@@ -54,3 +54,13 @@ pub(crate) const DISTINGUISHABLE: f64 = 3.3;
 pub(crate) const ALIKE_EXCESS: f64 = 0.03;
 /// ... or by this share of what they explain.
 pub(crate) const ALIKE_SHARE: f64 = 0.02;
+/// Number of values outside of their ranges above which no missing effect accounts for them: none has more parameters.
+pub(crate) const FEW: usize = 3;
+/// Largest ratio of the remaining excess, estimated over given values, at which the estimated values justify a second search.
+pub(crate) const MUCH_NEARER: f64 = 0.5;
+/// Largest ratio of the excess with estimated values over that of the plant as given for a first plant file. A search with estimates takes
+/// minutes, in vain if the file is right.
+pub(crate) const LITTLE_OF_GIVEN: f64 = 0.05;
+/// Largest ratio of the excess with estimated values over that within the ranges of the plant file at which a search within the ranges is in
+/// vain.
+pub(crate) const FAR_NEARER: f64 = 0.1;

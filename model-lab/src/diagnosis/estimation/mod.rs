@@ -56,8 +56,8 @@ pub fn estimate(
     estimate_with(plant, logs, check, Intervals::Always, watch)
 }
 
-/// Estimates as [`estimate`] does. Where more than the noise is left, the intervals are too narrow in directions that the logs leave
-/// undetermined: a search for effects does not use them.
+/// Estimates as [`estimate`] does, for a search for effects. The intervals of a model that leaves more than the noise are then too narrow
+/// in directions that the logs leave undetermined. The search does not use them.
 pub(super) fn for_search(
     plant: &PlantParameters,
     logs: &[Recording],

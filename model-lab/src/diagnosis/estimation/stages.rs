@@ -58,11 +58,11 @@ pub(super) struct Fitted {
     pub(super) is_converged: bool,
 }
 
-/// Models whose intervals are measured in directions that the logs leave undetermined, which may take hundreds of simulations.
+/// Whether intervals are measured in directions that the logs leave undetermined, which may take hundreds of simulations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Intervals {
     Always,
-    /// Those of a model that leaves no more than the noise.
+    /// Only if the model leaves no more than the noise.
     OfAdequateModel,
 }
 

@@ -467,7 +467,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Returns the simulations and the time of several works on the same logs, with the rest as in the last one.
+    /// Returns the cost of several searches and estimations on the same logs: simulations and time are summed, the rest is that of the last one.
     ///
     /// # Panics
     /// Panics if there is none.

@@ -52,7 +52,7 @@ pub(crate) enum Effort {
     Glance,
     /// Every form with a sufficient expected gain, completed where it gains.
     Search,
-    /// Effects that may replace the named effect `of`, which has the given gain; without it, other values of the ordinary parameters.
+    /// Effects with nearly this `gain`, to replace the named effect `of`, or without one, other values of the ordinary parameters.
     Rival { of: Option<&'static str>, gain: f64 },
 }
 

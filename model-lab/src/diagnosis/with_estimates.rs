@@ -1,11 +1,11 @@
-//! Second look at logs that are not explained within the ranges of the plant file.
+//! Order of the searches: within the ranges of the plant file, and with estimated values.
 //!
-//! Ordinary parameters at the ends of their ranges suggest a first plant file, with values that are 30 % wrong. They are estimated
-//! accordingly, and effects are searched with the estimated values. Statements of the file about a value still apply.
+//! A first plant file has values that are 30 % wrong. They are then estimated, and effects are searched with the estimates. Statements of
+//! the file about a value still apply.
 //!
-//! Where many estimated values lie outside of their ranges, the second look comes first: a missing effect stands for a few wrong values
-//! at most, so that a search within the ranges would be in vain. Otherwise it comes last, and the values are estimated together with the
-//! effects found so far.
+//! If the estimates leave little and many of them lie outside of their ranges, effects are searched with the estimates first. No missing
+//! effect stands for as many wrong values, so that a search within the ranges would be in vain. Otherwise effects are searched within the
+//! ranges first. If that leaves an error, the values are estimated again, together with the effects found.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
@@ -20,17 +20,7 @@ use super::result::{Cost, Diagnosis, NuisanceValue, OutsideValue, Step, StepKind
 use super::search::Watch;
 use super::search::assemble::{self, Answer};
 use super::search::found::Extent;
-
-/// Number of values outside of their ranges above which no missing effect accounts for them: none has more parameters.
-const FEW: usize = 3;
-
-/// Largest ratio of the remaining excess, estimated over given values, at which the estimated values justify a second search.
-const MUCH_NEARER: f64 = 0.5;
-/// Largest ratio of the excess with estimated values over that of a first plant file as given: a second look before the first one takes
-/// minutes where the file was right.
-const LITTLE_OF_GIVEN: f64 = 0.05;
-/// Ratio as [`MUCH_NEARER`] at which effects within the ranges of the plant file are in vain.
-const FAR_NEARER: f64 = 0.1;
+use super::verdict::{FAR_NEARER, FEW, LITTLE_OF_GIVEN, MUCH_NEARER};
 
 /// Returns whether the `estimated` values leave at most this `share` of the excess that `first`, the answer within the ranges of the plant file,
 /// leaves.
@@ -56,9 +46,9 @@ fn may_be_first_file(plant: &PlantParameters) -> bool {
     names.any(|name| matches!(known(plant, name), Some(Known::Bare { .. })))
 }
 
-/// Returns whether the second look may come first: the `estimated` values leave no more than the noise; or so many of them lie outside of the
-/// ranges of `plant`, and they leave so little of the excess of the plant as given, that it is a first plant file.
-fn is_promising(plant: &PlantParameters, estimated: &Estimation) -> bool {
+/// Returns whether `plant` looks like a first plant file. The `estimated` values then leave no more than the noise, or many of them lie
+/// outside of their ranges and leave little of the excess of the plant as given.
+fn is_first_file(plant: &PlantParameters, estimated: &Estimation) -> bool {
     let outside = estimated.parameters.iter().filter(|value| {
         let within = match known(plant, &value.name) {
             Some(Known::Stated { within, .. }) => Some(within),
@@ -73,12 +63,12 @@ fn is_promising(plant: &PlantParameters, estimated: &Estimation) -> bool {
     estimated.is_adequate || outside.count() > FEW && left <= LITTLE_OF_GIVEN * given
 }
 
-/// Returns whether the answer of a second look needs no comparison with the effects that are found within the ranges of the plant file: it
-/// explains the logs, and has more values outside of the ranges than an effect could stand for; or it does not, and the plant within the ranges
-/// is far from the logs.
-fn is_final(second: &Diagnosis, is_far_nearer: bool) -> bool {
-    if explains(second) {
-        second.outside.len() > FEW
+/// Returns whether `answer`, found with estimated values, needs no search within the ranges of the plant file. If it explains the logs, more
+/// values must lie outside of the ranges than an effect could stand for. If it does not, the plant within the ranges must be far from the
+/// logs.
+fn is_final(answer: &Diagnosis, is_far_nearer: bool) -> bool {
+    if explains(answer) {
+        answer.outside.len() > FEW
     } else {
         is_far_nearer
     }
@@ -91,8 +81,8 @@ fn explains(answer: &Diagnosis) -> bool {
     )
 }
 
-/// Inputs of a diagnosis with a second look.
-pub(super) struct SecondLook<'a> {
+/// Inputs of a diagnosis.
+pub(super) struct Inputs<'a> {
     pub(super) library: &'a [&'static dyn Effect],
     /// Plant file as given.
     pub(super) plant: &'a PlantParameters,
@@ -101,15 +91,15 @@ pub(super) struct SecondLook<'a> {
     pub(super) watch: Watch<'a>,
 }
 
-impl SecondLook<'_> {
-    /// Diagnoses with the second look before or after the first one, where one is needed. Adds the cost of each search and estimation to
+impl Inputs<'_> {
+    /// Searches within the ranges of the plant file, and with estimated values where needed. Adds the cost of each search and estimation to
     /// `costs`.
-    pub(super) fn around_first(&self, costs: &mut Vec<Cost>) -> Result<Diagnosis, DiagnoseError> {
+    pub(super) fn diagnose(&self, costs: &mut Vec<Cost>) -> Result<Diagnosis, DiagnoseError> {
         let mut refitted = self.refitted(self.plant)?;
-        let mut second = None;
+        let mut of_estimates = None;
         if refitted.is_material() && may_be_first_file(self.plant) {
             let estimated = self.estimated(self.plant, costs)?;
-            if is_promising(self.plant, &estimated.estimation) {
+            if is_first_file(self.plant, &estimated.estimation) {
                 let single = refitted.search(self.library, Extent::One, self.watch)?;
                 let single = single.diagnosis;
                 costs.push(single.cost.clone());
@@ -118,36 +108,36 @@ impl SecondLook<'_> {
                     if is_final(&answer, leaves_share(&estimated, &single, FAR_NEARER)) {
                         return Ok(answer);
                     }
-                    second = Some(answer);
+                    of_estimates = Some(answer);
                 }
                 refitted = self.refitted(self.plant)?;
             }
         }
-        let first = refitted.search(self.library, Extent::All, self.watch)?;
-        costs.push(first.diagnosis.cost.clone());
-        match second {
-            Some(second) => Ok(first.or(second)),
-            None if first.is_held_back => self.after(first, costs),
-            None => Ok(first.diagnosis),
+        let within = refitted.search(self.library, Extent::All, self.watch)?;
+        costs.push(within.diagnosis.cost.clone());
+        match of_estimates {
+            Some(of_estimates) => Ok(within.or(of_estimates)),
+            None if within.is_held_back => self.with_found(within, costs),
+            None => Ok(within.diagnosis),
         }
     }
 
-    /// Returns `first`, or the answer of a second look with the effects that it names.
-    fn after(
+    /// Estimates the values together with the effects that `within` names. Returns `within`, or what a search with the estimates finds.
+    fn with_found(
         &self,
-        first: refitted::Answer,
+        within: refitted::Answer,
         costs: &mut Vec<Cost>,
     ) -> Result<Diagnosis, DiagnoseError> {
-        let mut estimated = self.estimated(&first.plant_with_found(self.plant), costs)?;
-        if !leaves_share(&estimated, &first.diagnosis, MUCH_NEARER) {
-            return Ok(first.diagnosis);
+        let mut estimated = self.estimated(&within.plant_with_found(self.plant), costs)?;
+        if !leaves_share(&estimated, &within.diagnosis, MUCH_NEARER) {
+            return Ok(within.diagnosis);
         }
-        let found = first.found.iter();
+        let found = within.found.iter();
         estimated.plant = found.fold(estimated.plant, |plant, effect| {
             plant.without_effect(effect.id())
         });
-        let second = self.at(&estimated, &first.diagnosis, costs)?;
-        Ok(first.or(second))
+        let of_estimates = self.at(&estimated, &within.diagnosis, costs)?;
+        Ok(within.or(of_estimates))
     }
 
     fn refitted(&self, plant: &PlantParameters) -> Result<Refitted<'_>, DiagnoseError> {
@@ -181,15 +171,16 @@ impl SecondLook<'_> {
 }
 
 impl refitted::Answer {
-    /// Returns the answer within the ranges of the plant file, or the `second` one where it explains the logs and this one does not, or
-    /// leaves less where parameters reached the ends of their ranges.
-    fn or(self, second: Diagnosis) -> Diagnosis {
-        let first = self.diagnosis;
-        let is_held_back = self.is_held_back;
-        let is_better = (is_held_back || !explains(&first))
-            && (explains(&second) || !explains(&first))
-            && left(&second) <= left(&first);
-        if is_better { second } else { first }
+    /// Returns the answer within the ranges of the plant file, or that `of_estimates` if it explains the logs and leaves no more, and this
+    /// one does not explain them or has parameters at the ends of their ranges.
+    fn or(self, of_estimates: Diagnosis) -> Diagnosis {
+        let within = self.diagnosis;
+        let is_open = self.is_held_back || !explains(&within);
+        if is_open && explains(&of_estimates) && left(&of_estimates) <= left(&within) {
+            of_estimates
+        } else {
+            within
+        }
     }
 }
 
@@ -293,9 +284,9 @@ mod tests {
     use crate::bench::Bench;
     use crate::diagnosis::{Progress, diagnose_with};
 
-    /// Defect seen: an answer that the second look did not change omitted the cost of the second look, more than half of the time.
+    /// Defect seen: an answer that a search with estimates did not change omitted the cost of that search, more than half of the time.
     #[test]
-    fn the_cost_contains_a_second_look_that_changes_nothing() {
+    fn the_cost_contains_a_search_with_estimates_that_changes_nothing() {
         let plant = PlantParameters::nominal();
         let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
         let mut rig = plant.with_effect(leak.with("area_m2", 2e-8));
