@@ -33,6 +33,8 @@ mod tests;
 mod verdict;
 mod with_estimates;
 
+use std::time::Instant;
+
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
 use recording::Recording;
@@ -82,6 +84,7 @@ pub fn diagnose_with(
     check: &[Recording],
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
+    let begin = Instant::now();
     let inputs = Inputs {
         library,
         plant,
@@ -91,7 +94,7 @@ pub fn diagnose_with(
     };
     let mut costs = Vec::new();
     let mut diagnosis = inputs.diagnose(&mut costs)?;
-    diagnosis.cost = Cost::sum(&costs);
+    diagnosis.cost = Cost::sum(&costs, begin.elapsed().as_secs_f64());
     Ok(diagnosis)
 }
 

@@ -277,6 +277,7 @@ fn outside(plant: &PlantParameters, values: &[NuisanceValue]) -> Vec<OutsideValu
 mod tests {
     use core::ops::ControlFlow;
     use std::sync::Mutex;
+    use std::time::Instant;
 
     use plant_sim::effects::{EffectSetting, by_id};
 
@@ -333,7 +334,10 @@ mod tests {
             stages.lock().unwrap().push(progress.stage);
             ControlFlow::Continue(())
         };
+        let begin = Instant::now();
         let found = diagnose_with(&library, &plant, &log, &[], &watch).unwrap();
+        // Defect seen: the time of the estimation was counted twice.
+        assert!(found.cost.elapsed_s <= begin.elapsed().as_secs_f64());
         let sentence = &found.sentence;
         assert_eq!(found.verdict, Verdict::PlantFileWrong, "{sentence}");
         assert!(found.outside.len() > FEW, "{sentence}");

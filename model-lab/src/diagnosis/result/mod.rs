@@ -467,15 +467,16 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Returns the cost of several searches and estimations on the same logs: simulations and time are summed, the rest is that of the last one.
+    /// Returns the cost of several searches and estimations on the same logs, which took `elapsed_s` together: simulations are summed, the rest
+    /// is that of the last one.
     ///
     /// # Panics
     /// Panics if there is none.
-    pub(super) fn sum(of: &[Self]) -> Self {
+    pub(super) fn sum(of: &[Self], elapsed_s: f64) -> Self {
         let last = of.last().expect("a diagnosis searches at least once");
         Self {
             simulations: of.iter().map(|cost| cost.simulations).sum(),
-            elapsed_s: of.iter().map(|cost| cost.elapsed_s).sum(),
+            elapsed_s,
             ..last.clone()
         }
     }
