@@ -4,7 +4,7 @@ use hil_harness::rigs::RigVerdict;
 use hil_harness::{Requirement, Verdict};
 use model_lab::diagnosis::Diagnosis;
 use model_lab::thesis::ThesisTable;
-use model_lab::{CompareOptions, Comparison, compare};
+use model_lab::{CompareOptions, Comparison, LogConditions, compare, compare_under};
 use plant_sim::PlantParameters;
 use recording::{Provenance, Recording};
 
@@ -71,8 +71,17 @@ pub struct DiagnosisPart<'a> {
     pub diagnosis: &'a Diagnosis,
     /// Log with the largest error, with the plain and with the refined model.
     pub runs: Option<&'a BeforeAndAfter<'a>>,
-    /// Command that adds the named effects.
-    pub next_command: Option<&'a str>,
+    /// Command to run next; `None` if nothing is found.
+    pub next_command: Option<&'a NextCommand>,
+}
+
+/// Command to run after a diagnosis.
+#[derive(Clone, Debug)]
+pub struct NextCommand {
+    /// What it does with the plant file, such as `add the effect to the plant file`.
+    pub purpose: &'static str,
+    /// Command line.
+    pub command: String,
 }
 
 /// Log with two models.
@@ -94,16 +103,34 @@ impl<'a> BeforeAndAfter<'a> {
         logs: &[&'a Recording],
     ) -> Option<Self> {
         let [plain, refined] = diagnosis.plain_and_refined(plant);
-        let compared = |plant, log| compare(plant, log, &CompareOptions::default()).ok();
-        let runs = logs
-            .iter()
-            .filter_map(|log| Some((*log, compared(&plain, log)?)));
+        let fitted = |log: &Recording| diagnosis.conditions.get(&log.provenance().source);
+        let runs = logs.iter().filter_map(|&log| {
+            let conditions = fitted(log).map(|fitted| &fitted.plain);
+            Some((log, compared(&plain, log, conditions)?))
+        });
         let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
         let after = match diagnosis.effects.is_empty() {
             true => None,
-            false => Some(compared(&refined, log)?),
+            false => {
+                let conditions = fitted(log).map(|fitted| &fitted.refined);
+                Some(compared(&refined, log, conditions)?)
+            }
         };
         Some(Self { log, before, after })
+    }
+}
+
+/// Compares `plant` with `log` under `conditions`, or under those that are found where none are known. Returns none if the log cannot be
+/// compared.
+fn compared(
+    plant: &PlantParameters,
+    log: &Recording,
+    conditions: Option<&LogConditions>,
+) -> Option<Comparison> {
+    let options = CompareOptions::default();
+    match conditions {
+        Some(conditions) => compare_under(plant, (log, conditions), &options, &|_| true).ok(),
+        None => compare(plant, log, &options).ok(),
     }
 }
 

@@ -60,9 +60,9 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
             @for candidate in diagnosis.candidates.iter().filter(named) {
                 p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
             }
-            @if let Some(command) = part.next_command {
-                p.lead { "Add it to the plant file:" }
-                pre { code { (foreign(command)) } }
+            @if let Some(next) = part.next_command {
+                p.lead { (capitalised(next.purpose)) ":" }
+                pre { code { (foreign(&next.command)) } }
             }
             (figure(plot::error_steps(&diagnosis.error_steps)))
             details { summary { "In numbers" } (error_step_table(&diagnosis.error_steps)) }

@@ -48,9 +48,20 @@ impl Standing {
 }
 
 /// Returns text from a file: escaped, printable, and with its own text direction, so that it cannot reverse the text
-/// beside it.
+/// beside it. Text between backticks, as in the sentences of a diagnosis, is code.
 pub(super) fn foreign(text: &str) -> Markup {
-    markup! { bdi { (printable(text)) } }
+    let text = printable(text);
+    let parts: Vec<&str> = text.split('`').collect();
+    markup! {
+        bdi {
+            // A backtick without a partner is an ordinary character.
+            @if parts.len() % 2 == 0 { (text) } @else {
+                @for (at, part) in parts.iter().enumerate() {
+                    @if at % 2 == 1 { code { (part) } } @else { (part) }
+                }
+            }
+        }
+    }
 }
 
 /// Removes control characters, which are invalid in a page.

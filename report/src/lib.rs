@@ -16,7 +16,7 @@ mod thesis;
 
 pub use contents::{
     BeforeAndAfter, Contents, ControlPart, DiagnosisPart, HistoryPart, HistoryStep, Input, LogPart,
-    ModelPart, Origin, PlantPart,
+    ModelPart, NextCommand, Origin, PlantPart,
 };
 pub use page::{html, is_report, style};
 pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};

@@ -250,12 +250,16 @@ fn hostile_text_in_a_diagnosis_stays_text() {
         before: bench.comparison.clone(),
         after: Some(bench.comparison.clone()),
     };
+    let next = NextCommand {
+        purpose: "add the effect to the plant file",
+        command: hostile(),
+    };
     let report = html(&Contents {
         title: HOSTILE,
         diagnosis: Some(DiagnosisPart {
             diagnosis: &diagnosis,
             runs: Some(&runs),
-            next_command: Some(HOSTILE),
+            next_command: Some(&next),
         }),
         ..Contents::default()
     });

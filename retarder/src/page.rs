@@ -226,7 +226,7 @@ fn page(page: &Page<'_>) -> String {
         diagnosis: page.diagnosis.map(|diagnosed| DiagnosisPart {
             diagnosis: &diagnosed.diagnosis,
             runs: runs.as_ref(),
-            next_command: next_command.as_deref(),
+            next_command: next_command.as_ref(),
         }),
         history: None,
         control: &control,

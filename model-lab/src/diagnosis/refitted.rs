@@ -13,7 +13,7 @@ use super::evidence::predictor;
 use super::fit::split::Split;
 use super::fit::trial::Trial;
 use super::remaining;
-use super::result::{DIAGNOSIS_SCHEMA, Diagnosis, Location};
+use super::result::{DIAGNOSIS_SCHEMA, Diagnosis, FittedConditions, Location};
 use super::search::found::{self, Extent};
 use super::search::{self, Watch, assemble, selection};
 
@@ -118,8 +118,13 @@ impl<'a> Refitted<'a> {
         split.take_conditions(plain);
         let given = assemble::regimes(&plant, (logs, &split.fitting.logs))?;
         let before = assemble::regimes(&plain.plant(), (logs, &split.fitting.logs))?;
+        let with_plain = split.found_conditions();
+        split.take_conditions(last);
+        let conditions = with_plain.into_iter().zip(split.found_conditions());
+        let conditions = conditions
+            .map(|((source, plain), (_, refined))| (source, FittedConditions { plain, refined }))
+            .collect();
         let after = if found.steps.len() > 1 {
-            split.take_conditions(last);
             assemble::regimes(&last.plant(), (logs, &split.fitting.logs))?
         } else {
             before.clone()
@@ -141,6 +146,7 @@ impl<'a> Refitted<'a> {
             warnings: split.warnings(),
             clocks: split.clocks(),
             starts: split.starts(),
+            conditions,
             held_out: split.held_out().to_owned(),
             horizon: split.horizon(),
             adds_up,

@@ -215,6 +215,11 @@ fn relative_to_file(
         let is_outside = second.outside.iter().any(|there| there.name == value.name);
         value.alarm = is_outside.then(|| assemble::OUTSIDE.to_owned());
     }
+    for (source, fitted) in &mut second.conditions {
+        if let Some(of_file) = first.conditions.get(source) {
+            fitted.plain.clone_from(&of_file.plain);
+        }
+    }
     second
         .location
         .of_compare

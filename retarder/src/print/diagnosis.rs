@@ -53,8 +53,8 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     }
     text += "\n";
     text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
-    if let Some(command) = diagnosed.next_command() {
-        text += &format!("\nNext:\n  {command}\n");
+    if let Some(next) = diagnosed.next_command() {
+        text += &format!("\nNext:\n  {}    # {}\n", next.command, next.purpose);
     }
     text
 }

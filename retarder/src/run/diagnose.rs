@@ -10,6 +10,7 @@ use model_lab::diagnosis::{
     Refined, diagnose, estimate as estimate_parameters, refine as fit,
 };
 use recording::Recording;
+use report::NextCommand;
 
 use super::Answer;
 use crate::failure::Failure;
@@ -103,31 +104,42 @@ impl Diagnosed {
         }
     }
 
-    /// Returns the command that adds the named effects, or frees the wrong values of the plant file; `None` if nothing
-    /// is found.
-    pub(crate) fn next_command(&self) -> Option<String> {
+    /// Returns the command that adds the named effects and frees the wrong values of the plant file; `None` if nothing is found.
+    pub(crate) fn next_command(&self) -> Option<NextCommand> {
         let given = self.task.options.as_given();
-        let mut steps = self.diagnosis.error_steps.iter();
-        let is_beyond = steps.any(|step| step.kind == StepKind::RangesWidened);
+        let steps = &self.diagnosis.error_steps;
+        let is_beyond = steps
+            .iter()
+            .any(|step| step.kind == StepKind::RangesWidened);
         if is_beyond && self.diagnosis.verdict == Verdict::Found {
-            // Values first: an effect fitted beside wrong values would compensate for them.
-            return Some(format!("retarder refine{given} --out {REFINED_FILE}"));
+            return Some(NextCommand {
+                // Values first: an effect fitted beside wrong values would compensate for them.
+                purpose: "estimate the parameters, then diagnose again",
+                command: format!("retarder refine{given} --out {REFINED_FILE}"),
+            });
         }
-        let outside = self.diagnosis.outside.iter();
-        let freed: String = outside
-            .map(|value| format!(" --free {}", value.name))
-            .collect();
-        if self.diagnosis.effects.is_empty() && freed.is_empty() {
-            return None;
-        }
-        let steps = self.diagnosis.error_steps.iter();
-        let added: String = steps
+        let added: Vec<String> = steps
+            .iter()
             .filter_map(|step| Some((step.added.as_ref()?, step.variant.as_ref()?)))
             .map(|(id, variant)| format!(" --add {id}:{variant}"))
             .collect();
-        Some(format!(
-            "retarder refine{given}{added}{freed} --out {REFINED_FILE}"
-        ))
+        let outside = self.diagnosis.outside.iter();
+        let freed: Vec<String> = outside
+            .map(|value| format!(" --free {}", value.name))
+            .collect();
+        let purpose = match (added.len(), freed.len()) {
+            (0, 0) => return None,
+            (0, _) => "correct the plant file",
+            (1, 0) => "add the effect to the plant file",
+            (_, 0) => "add the effects to the plant file",
+            (1, _) => "add the effect to the plant file and correct it",
+            (_, _) => "add the effects to the plant file and correct it",
+        };
+        let (added, freed) = (added.concat(), freed.concat());
+        Some(NextCommand {
+            purpose,
+            command: format!("retarder refine{given}{added}{freed} --out {REFINED_FILE}"),
+        })
     }
 }
 

@@ -41,7 +41,7 @@ fn a_report_has_comparison_diagnosis_and_the_loop_on_both_plants() {
             "id=\"plant\"",
             "id=\"model\"",
             "id=\"diagnosis\"",
-            "Add it to the plant file",
+            "Add the effect to the plant file",
             "id=\"control\"",
             "nominal plant with chamber_leak",
             "recommended controller",

@@ -79,8 +79,8 @@ fn a_job_that_takes_too_much_memory_fails_alone() {
     assert_eq!(kept.status, 200);
 }
 
-/// Rows of a log that can be read but not compared.
-const MOST_ROWS: usize = 1_000_000;
+/// Rows of a log that can be read but not compared. Half a million can be compared; a million cannot always be read.
+const MOST_ROWS: usize = 750_000;
 
 /// Defect seen: mappings that requested 103 GB. Now they are refused or read, or end their own tab's process.
 #[test]

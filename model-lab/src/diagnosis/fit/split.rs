@@ -13,7 +13,7 @@ use super::logger_time::{
     Delay, Search, find_conditions, find_slow_clocks, fit_conditions, take_sampling,
 };
 use super::trial::{Bench, Trial};
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, LogConditions};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::evidence::log::Log;
@@ -394,6 +394,12 @@ impl Split {
     pub(crate) fn clocks(&self) -> Vec<FoundClock> {
         let logs = self.fitting.logs.iter().chain(self.check_logs());
         logs.filter_map(Log::found_clock).collect()
+    }
+
+    /// Returns the source of each log and the conditions under which it was made, log after log.
+    pub(crate) fn found_conditions(&self) -> Vec<(String, LogConditions)> {
+        let logs = self.fitting.logs.iter().chain(self.check_logs());
+        logs.map(|log| (log.source.clone(), log.found())).collect()
     }
 
     /// Returns the initial states of logs with a filled chamber, log after log.

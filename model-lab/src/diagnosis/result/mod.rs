@@ -11,6 +11,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 pub use crate::result::{ClockSource, FoundClock, FoundStart, Horizon};
+use crate::conditions::LogConditions;
 use crate::result::{LogDefects, NotCompared, Warning};
 use words::{significant, spaced};
 
@@ -45,6 +46,9 @@ pub struct Diagnosis {
     /// Temperatures of the gas where logs begin with a filled chamber.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub starts: Vec<FoundStart>,
+    /// From the source of a log to the conditions under which it was fitted; empty for a diagnosis read from JSON.
+    #[serde(skip)]
+    pub conditions: BTreeMap<String, FittedConditions>,
     /// Validation data, in words.
     pub held_out: String,
     /// Horizon of the fitted and judged errors: one step ahead, or free run where errors within the noise one step ahead add up.
@@ -104,6 +108,15 @@ impl Diagnosis {
             && !self.unexplained
             && !self.adds_up
     }
+}
+
+/// Conditions under which a log was made, as fitted together with the plants of [`Diagnosis::plain_and_refined`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedConditions {
+    /// With the ordinary parameters refitted.
+    pub plain: LogConditions,
+    /// With the named effects as well.
+    pub refined: LogConditions,
 }
 
 /// Verdict of a diagnosis.
