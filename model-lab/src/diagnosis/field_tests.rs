@@ -10,8 +10,9 @@ use recording::Recording;
 
 use super::Diagnosis;
 use super::diagnose_with;
-use super::result::Verdict;
+use super::result::{Step, StepKind, Verdict};
 use crate::bench::{Bench, logged, pressure_alone};
+use crate::{CompareOptions, compare_under};
 
 /// Returns a diagnosis with these effects as the library.
 fn diagnosed(plant: &PlantParameters, library: &[&str], logs: &[Recording; 2]) -> Diagnosis {
@@ -88,6 +89,36 @@ fn a_sensor_lag_is_distinguished_from_the_clock_of_a_slow_logger() {
     assert_eq!(diagnosis.clocks.len(), 2);
     let mut clocks = diagnosis.clocks.iter();
     assert!(clocks.all(|clock| !clock.statement.contains("currents")));
+    // Defect seen: a report compared under the clock that it found itself, with three times the error of the diagnosis.
+    let [_, check] = &logs;
+    let [plain, refined] = diagnosis.plain_and_refined(&given);
+    let fitted = &diagnosis.conditions[&check.provenance().source];
+    let free_run_bar = |plant, conditions| {
+        let compared = compare_under(
+            plant,
+            (check, conditions),
+            &CompareOptions::default(),
+            &|_| true,
+        );
+        let signals = compared.unwrap().signals;
+        let of_pressure = signals.iter().find(|signal| signal.name == "p_ch");
+        of_pressure.unwrap().free_run.rms
+    };
+    let of_steps = |step: Option<&Step>| step.unwrap().free_run_check_rms["p_ch"];
+    let steps = &diagnosis.error_steps;
+    let refitted = (steps.iter()).find(|step| step.kind == StepKind::ParametersRefitted);
+    for (rms_bar, of_step_bar) in [
+        (free_run_bar(&plain, &fitted.plain), of_steps(refitted)),
+        (
+            free_run_bar(&refined, &fitted.refined),
+            of_steps(steps.last()),
+        ),
+    ] {
+        assert!(
+            (rms_bar / of_step_bar - 1.0).abs() < 0.02,
+            "{rms_bar} bar, {of_step_bar} bar"
+        );
+    }
 }
 
 /// Means over a row of 1.7 ms look like instantaneous values half a row earlier, and so does the jump of a current that eddy currents

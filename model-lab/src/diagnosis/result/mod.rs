@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-pub use crate::result::{ClockSource, FoundClock, FoundStart, Horizon};
 use crate::conditions::LogConditions;
+pub use crate::result::{ClockSource, FoundClock, FoundStart, Horizon};
 use crate::result::{LogDefects, NotCompared, Warning};
 use words::{significant, spaced};
 
