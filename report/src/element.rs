@@ -55,7 +55,7 @@ pub(super) fn foreign(text: &str) -> Markup {
     markup! {
         bdi {
             // A backtick without a partner is an ordinary character.
-            @if parts.len() % 2 == 0 { (text) } @else {
+            @if parts.len().is_multiple_of(2) { (text) } @else {
                 @for (at, part) in parts.iter().enumerate() {
                     @if at % 2 == 1 { code { (part) } } @else { (part) }
                 }
