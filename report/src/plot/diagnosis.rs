@@ -44,6 +44,7 @@ pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
     let place = |times: f64| NAMES_PX + (f64::from(BARS_PX) * times / longest).round() as i32;
     figure(WIDTH_PX, bottom + 36, title, |sheet| {
         sheet.title(title)?;
+        let floor = place(1.0);
         let mut top_px = TOP_PX - GROUP_PX;
         for step in steps {
             top_px += GROUP_PX;
@@ -53,6 +54,7 @@ pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
                 Align::Left,
             )?;
             top_px += ROW_PX;
+            let first_px = top_px;
             for (signal, rms) in pressure_first(&step.check_rms) {
                 let middle = top_px + ROW_PX / 2;
                 let times = step.in_noise(signal);
@@ -79,16 +81,17 @@ pub(crate) fn error_steps(steps: &[Step]) -> Result<Figure, PlotError> {
                 sheet.text(&figures, (end + 8, middle), Align::Left, palette::INK)?;
                 top_px += ROW_PX;
             }
+            // Beside the bars alone: a long name reaches over them.
+            for (x, colour) in [(floor, palette::LIMIT), (NAMES_PX, palette::AXIS)] {
+                sheet.line([(x, first_px), (x, top_px)], colour, 1.0)?;
+            }
         }
-        let floor = place(1.0);
-        sheet.line([(floor, TOP_PX), (floor, bottom)], palette::LIMIT, 1.0)?;
         sheet.small_text(
             "noise floor",
             (floor, bottom + 12),
             Align::Centre,
             palette::LIMIT,
-        )?;
-        sheet.line([(NAMES_PX, TOP_PX), (NAMES_PX, bottom)], palette::AXIS, 1.0)
+        )
     })
 }
 

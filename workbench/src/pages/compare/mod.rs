@@ -1,9 +1,12 @@
 //! Page "Compare": measured and modelled signals, and their differences.
 
 mod band;
-mod details;
+mod cursor;
 mod difference;
 mod export;
+mod fold;
+mod residual;
+mod scatter;
 mod selection;
 mod states;
 mod statistics;
@@ -111,28 +114,28 @@ async fn show_traces(
 async fn show_values(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(at): Query<details::Instant>,
-) -> Result<Json<details::Values>, Refusal> {
+    Query(at): Query<cursor::Instant>,
+) -> Result<Json<cursor::Values>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || details::values(&session, log, at.time_s).map(Json)).await
+    blocking(move || cursor::values(&session, log, at.time_s).map(Json)).await
 }
 
 async fn show_scatter(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(axes): Query<details::Axes>,
-) -> Result<Json<details::Scatter>, Refusal> {
+    Query(axes): Query<scatter::Axes>,
+) -> Result<Json<scatter::Scatter>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || details::scatter(&session, log, &axes).map(Json)).await
+    blocking(move || scatter::scatter(&session, log, &axes).map(Json)).await
 }
 
 async fn show_fold(
     State(sessions): Shared,
     Path((id, log)): Path<(String, u32)>,
-    Query(fold): Query<details::Folding>,
-) -> Result<Json<details::Fold>, Refusal> {
+    Query(fold): Query<fold::Folding>,
+) -> Result<Json<fold::Fold>, Refusal> {
     let session = session(&sessions, id)?;
-    blocking(move || details::fold(&session, log, &fold).map(Json)).await
+    blocking(move || fold::fold(&session, log, &fold).map(Json)).await
 }
 
 async fn show_distribution(

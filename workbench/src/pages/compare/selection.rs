@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::details::residual_of;
+use super::residual::residual_of;
 use crate::refusal::Refusal;
 use crate::results::Compared;
 

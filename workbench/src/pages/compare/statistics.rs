@@ -3,7 +3,7 @@
 use recording::{OwnSamples, Samples, median_step_s};
 use serde::{Deserialize, Serialize};
 
-use super::details::{residual_of, unit_of_errors};
+use super::residual::{residual_of, unit_of_errors};
 use crate::histogram::Histogram;
 use crate::pages::points::Range;
 use crate::refusal::Refusal;
