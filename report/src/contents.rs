@@ -91,7 +91,7 @@ pub struct BeforeAndAfter<'a> {
     pub log: &'a Recording,
     /// Comparison with the plain model, refitted.
     pub before: Comparison,
-    /// Comparison with the named effects; `None` if no effect is named.
+    /// Comparison with the named effects and the values outside the ranges of the plant file; `None` if there is neither.
     pub after: Option<Comparison>,
 }
 
@@ -109,12 +109,13 @@ impl<'a> BeforeAndAfter<'a> {
             Some((log, compared(&plain, log, conditions)?))
         });
         let (log, before) = runs.max_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
-        let after = match diagnosis.effects.is_empty() {
-            true => None,
-            false => {
+        let is_refined = !(diagnosis.effects.is_empty() && diagnosis.outside.is_empty());
+        let after = match is_refined {
+            true => {
                 let conditions = fitted(log).map(|fitted| &fitted.refined);
                 Some(compared(&refined, log, conditions)?)
             }
+            false => None,
         };
         Some(Self { log, before, after })
     }

@@ -346,6 +346,16 @@ mod tests {
         let sentence = &found.sentence;
         assert_eq!(found.verdict, Verdict::PlantFileWrong, "{sentence}");
         assert!(found.outside.len() > FEW, "{sentence}");
+        // Defect seen: values that a search takes as exact stayed as given in the refined plant.
+        let [_, refined] = found.plain_and_refined(&plant);
+        for value in &found.nuisance {
+            assert_eq!(
+                refined.get(&value.name),
+                Some(value.fitted),
+                "{}",
+                value.name
+            );
+        }
         let stages = stages.into_inner().unwrap();
         let first = |stage: &str| stages.iter().position(|&one| one == stage);
         assert!(first("clocks of the loggers") < first("detection limits"));

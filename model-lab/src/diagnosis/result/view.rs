@@ -24,6 +24,13 @@ impl Diagnosis {
                 nuisance.set(&mut refined, plant, value.fitted);
             }
         }
+        // Beyond the ranges of the plant file, values that a diagnosis takes as exact are fitted as well.
+        for value in &self.nuisance {
+            if let Some(spec) = ParameterSpec::by_name(&value.name) {
+                spec.put(&mut plain, value.plain);
+                spec.put(&mut refined, value.fitted);
+            }
+        }
         for candidate in self
             .candidates
             .iter()
