@@ -204,12 +204,14 @@ fn relative_to_file(
     second.error_steps = steps(first, &second);
     second.outside = outside;
     second.sentence = assemble::sentence(&Answer::from(&second));
+    let [plain, _] = first.plain_and_refined(plant);
     for value in &mut second.nuisance {
         let of_file = first.nuisance.iter().find(|there| there.name == value.name);
         let given = plant.get(&value.name).unwrap_or(value.datasheet);
-        // Values that the first search treated as exact stayed as given.
+        // Values that the first search treated as exact stayed as given, or moved together with another one.
+        let refitted = plain.get(&value.name).unwrap_or(given);
         (value.datasheet, value.tolerance, value.plain) = of_file
-            .map_or((given, 0.0, given), |there| {
+            .map_or((given, 0.0, refitted), |there| {
                 (there.datasheet, there.tolerance, there.plain)
             });
         let is_outside = second.outside.iter().any(|there| there.name == value.name);
