@@ -78,7 +78,7 @@ pub struct DiagnosisPart<'a> {
 /// Command to run after a diagnosis.
 #[derive(Clone, Debug)]
 pub struct NextCommand {
-    /// What it does with the plant file, such as `add the effect to the plant file`.
+    /// Purpose, such as `add the effect to the plant file`.
     pub purpose: &'static str,
     /// Command line.
     pub command: String,

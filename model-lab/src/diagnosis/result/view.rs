@@ -24,7 +24,7 @@ impl Diagnosis {
                 nuisance.set(&mut refined, plant, value.fitted);
             }
         }
-        // Beyond the ranges of the plant file, values that a diagnosis takes as exact are fitted as well.
+        // A search with estimates also fits values that are exact in the plant file, or that move together with another one there.
         for value in &self.nuisance {
             if let Some(spec) = ParameterSpec::by_name(&value.name) {
                 spec.put(&mut plain, value.plain);
