@@ -16,6 +16,7 @@ function place(button, popup) {
   const left = Math.max(EDGE, Math.min(at.right, clientWidth - EDGE) - popup.offsetWidth);
   Object.assign(popup.style, {
     left: `${left - at.left}px`, top: isBelow ? "100%" : "auto", bottom: isBelow ? "auto" : "100%", maxHeight: `${Math.max(0, isBelow ? below : above)}px`,
+    visibility: "visible",
   });
 }
 
@@ -26,6 +27,8 @@ export function menu(text, popup, properties = {}) {
   const sizes = new ResizeObserver(fit);
   const toggle = () => {
     sizes.disconnect();
+    // A pop-up is invisible until it has its place.
+    popup.style.visibility = "";
     // The observer reports at once, and again whenever the window or the content changes.
     if (made.open) for (const one of [document.documentElement, popup]) sizes.observe(one);
   };
