@@ -58,9 +58,6 @@ pub(crate) const ALIKE_SHARE: f64 = 0.02;
 pub(crate) const FEW: usize = 3;
 /// Largest ratio of the remaining excess, estimated over given values, at which the estimated values justify a second search.
 pub(crate) const MUCH_NEARER: f64 = 0.5;
-/// Largest ratio of the excess with estimated values over that of the plant as given for a first plant file. A search with estimates takes
-/// minutes, in vain if the file is right.
-pub(crate) const LITTLE_OF_GIVEN: f64 = 0.05;
 /// Largest ratio of the excess with estimated values over that within the ranges of the plant file at which a search within the ranges is in
 /// vain.
 pub(crate) const FAR_NEARER: f64 = 0.1;

@@ -3,7 +3,7 @@
 //! A first plant file has values that are 30 % wrong. They are then estimated, and effects are searched with the estimates. Statements of
 //! the file about a value still apply.
 //!
-//! If the estimates leave little and many of them lie outside of their ranges, effects are searched with the estimates first. No missing
+//! If the estimates leave the noise, or many of them lie outside of their ranges, effects are searched with the estimates first. No missing
 //! effect stands for as many wrong values, so that a search within the ranges would be in vain. Otherwise effects are searched within the
 //! ranges first. If that leaves an error, the values are estimated again, together with the effects found.
 
@@ -20,7 +20,7 @@ use super::result::{Cost, Diagnosis, NuisanceValue, OutsideValue, Step, StepKind
 use super::search::Watch;
 use super::search::assemble::{self, Answer};
 use super::search::found::Extent;
-use super::verdict::{FAR_NEARER, FEW, LITTLE_OF_GIVEN, MUCH_NEARER};
+use super::verdict::{FAR_NEARER, FEW, MUCH_NEARER};
 
 /// Returns whether the `estimated` values leave at most this `share` of the excess that `first`, the answer within the ranges of the plant file,
 /// leaves.
@@ -47,7 +47,7 @@ fn may_be_first_file(plant: &PlantParameters) -> bool {
 }
 
 /// Returns whether `plant` looks like a first plant file. The `estimated` values then leave no more than the noise, or many of them lie
-/// outside of their ranges and leave little of the excess of the plant as given.
+/// outside of their ranges.
 fn is_first_file(plant: &PlantParameters, estimated: &Estimation) -> bool {
     let outside = estimated.parameters.iter().filter(|value| {
         let within = match known(plant, &value.name) {
@@ -58,9 +58,7 @@ fn is_first_file(plant: &PlantParameters, estimated: &Estimation) -> bool {
         };
         within.is_some_and(|(least, most)| !(least..=most).contains(&value.after))
     });
-    let of_step = |step: Option<&Step>| step.map_or(f64::INFINITY, excess);
-    let [given, left] = [estimated.steps.first(), estimated.steps.last()].map(of_step);
-    estimated.is_adequate || outside.count() > FEW && left <= LITTLE_OF_GIVEN * given
+    estimated.is_adequate || outside.count() > FEW
 }
 
 /// Returns whether `answer`, found with estimated values, needs no search within the ranges of the plant file. If it explains the logs, more
