@@ -121,7 +121,16 @@ impl Task {
                 if ask {
                     datasheet_dialogue::complete(&path, &mut stdin().lock(), &mut stderr())?;
                 }
-                let plant = NamedPlant::read(&path, PlantParameters::from_datasheet)?;
+                let plant = NamedPlant::read(&path, |text, name| {
+                    let plant = PlantParameters::from_datasheet(text, name)?;
+                    for (line, key) in plant.unused_in_datasheet(text) {
+                        let note = format!(
+                            "{name}:{line}: `{key}` is not used: no part of this plant has such a value"
+                        );
+                        print_to_stderr(&print::note(&note, &Terminal::standard_error()));
+                    }
+                    Ok(plant)
+                })?;
                 Work::Text(plant.parameters.to_toml())
             }
             Some(Command::Parameters(args)) => {

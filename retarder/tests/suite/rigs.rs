@@ -208,3 +208,14 @@ fn proportional_valves_are_led_to_their_leak() {
         pulses_pct: [25.0, 45.0, 60.0, 35.0, 80.0, 100.0],
     });
 }
+
+#[test]
+fn a_value_that_no_part_has_is_noted() {
+    let bench = Bench::new();
+    let volume = "chamber_volume_cm3 = 250\nspring_n_per_mm = 3\n";
+    bench.file("my-rig.toml", &[volume, GAS, VALVES, SWITCHING].concat());
+    let ran = bench.run(&["parameters", "--from-datasheet", "my-rig.toml"]);
+    let expected = "note: my-rig.toml:2: `spring_n_per_mm` is not used: no part of this plant has such a value\n";
+    assert_contains(&ran.err, &[expected]);
+    assert_contains(&ran.ended_with(0), &["[on_off_fill]"]);
+}

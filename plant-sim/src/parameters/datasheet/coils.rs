@@ -508,6 +508,12 @@ mod tests {
             "{}",
             plant.flow.orifice_vent_m
         );
+        // Defect seen: of two conductances of a valve with a coil, one was ignored without a word.
+        let stated = "fill_valve = \"normally_closed\"\n vent_valve = \"normally_closed\"";
+        let twice = format!("{COILS}\n {stated}\n fill_C_dm3_per_s_bar = 0.5\n fill_Cv = 0.1");
+        let said = PlantParameters::from_datasheet(&twice, "rig").unwrap_err();
+        let expected = "`fill_Cv` gives a value that another line gives as well";
+        assert!(said.to_string().contains(expected), "{said}");
     }
 
     /// Defect read: a conductance that no orifice of this size has was dropped without a word, and a usual one assumed.

@@ -219,6 +219,11 @@ impl PlantParameters {
                 continue;
             }
             if let Some((key, range)) = plant.of_coils(key) {
+                let mut alike = CONDUCTANCES.iter().filter(|keys| keys.contains(&key));
+                if alike.any(|keys| keys.iter().any(|key| sheet.contains_key(key))) {
+                    problems.push(Problem::GivenTwice { line, key });
+                    continue;
+                }
                 match stated_value(&file, item) {
                     None => problems.push(Problem::WrongType {
                         line,
@@ -304,6 +309,26 @@ impl PlantParameters {
         } else {
             fail(problems)
         }
+    }
+
+    /// Returns the lines and keys of a datasheet file that this plant, read from it, has no part for.
+    pub fn unused_in_datasheet(&self, text: &str) -> Vec<(usize, String)> {
+        let Ok(file) = TomlFile::parse(text) else {
+            return Vec::new();
+        };
+        let has_coil = self.functions.iter().any(|function| function.has_coil());
+        let is_used = |key: &str| {
+            let mut rows = ROWS.iter().filter(|row| row.key == key);
+            VALVES.contains(&key)
+                || WITHOUT_PARAMETER.contains(&key)
+                || has_coil && self.of_coils(key).is_some()
+                || rows.any(|row| self.get(row.name).is_some())
+        };
+        let table = file.root();
+        let unused = table.iter().filter(|(key, _)| !is_used(key));
+        unused
+            .map(|(key, _)| (file.line_of_key(table, key), key.to_owned()))
+            .collect()
     }
 
     /// Returns a key, with its range, that is no parameter of a valve with a coil and from which some follow.
@@ -554,6 +579,23 @@ mod tests {
         let twice = conductance("fill_Cv = 0.073\nfill_Kv_m3_per_h = 0.063").unwrap_err();
         let expected = "`fill_Kv_m3_per_h` gives a value that another line gives as well";
         assert!(twice.to_string().contains(expected), "{twice}");
+    }
+
+    /// Defect seen: `fill_b` of a valve with a coil was ignored without a word.
+    #[test]
+    fn a_value_that_no_part_has_is_listed() {
+        let unused = |lines: &str| {
+            let text = format!("{ON_OFF}\n{lines}");
+            let plant = PlantParameters::from_datasheet(&text, "rig").unwrap();
+            let unused = plant.unused_in_datasheet(&text).into_iter();
+            unused.map(|(_, key)| key).collect::<Vec<_>>()
+        };
+        assert!(unused("").is_empty());
+        assert_eq!(
+            unused("fill_time_constant_ms = 20\nfill_valve = \"on_off\"\nspring_n_per_mm = 3"),
+            ["fill_time_constant_ms", "spring_n_per_mm"]
+        );
+        assert_eq!(unused("coil_power_w = 8"), ["coil_power_w"]);
     }
 
     #[test]
