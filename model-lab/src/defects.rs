@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use plant_sim::parameters::PA_PER_BAR;
-use recording::Recording;
+use recording::{Pause, Recording};
 
 use crate::commands::Commands;
 use crate::measured::{Measured, Restart};
@@ -37,8 +37,15 @@ impl LogDefects {
             })
             .collect();
         let mut sentences = defects.sentences();
-        let listed = gaps.iter().zip(commands.gaps.iter()).take(LISTED_MAX);
-        sentences.extend(listed.map(|(gap, of)| gap.sentence(of.is_without_commands)));
+        for (gap, of) in gaps.iter().zip(commands.gaps.iter()).take(LISTED_MAX) {
+            let of_gap = |pause: &&Pause| [pause.start_s, pause.end_s] == [gap.start_s, gap.end_s];
+            let pause = defects.gaps.iter().find(of_gap).map(Pause::sentence);
+            let there = pause.and_then(|pause| sentences.iter().position(|there| *there == pause));
+            match there {
+                Some(there) => sentences[there] += &format!("; {}", gap.consequence()),
+                None => sentences.push(gap.sentence(of.is_without_commands)),
+            }
+        }
         if gaps.len() > LISTED_MAX {
             sentences.push(format!(
                 "{} more gaps, in no error either",
@@ -77,13 +84,19 @@ impl LogGap {
         } else {
             "gap"
         };
+        format!(
+            "{what} from {:.3} to {:.3} s: {}",
+            self.start_s,
+            self.end_s,
+            self.consequence()
+        )
+    }
+
+    fn consequence(&self) -> String {
         let restart = match self.restart_bar_gauge {
             Some(bar) => format!("the model begins again at the measured {bar:.3} bar gauge"),
             None => "the model goes on with the last command".to_owned(),
         };
-        format!(
-            "{what} from {:.3} to {:.3} s: {restart}, and {} samples are in no error",
-            self.start_s, self.end_s, self.samples
-        )
+        format!("{restart}, and {} samples are in no error", self.samples)
     }
 }

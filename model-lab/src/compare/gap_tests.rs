@@ -46,7 +46,9 @@ fn a_gap_is_in_no_error_and_is_listed() {
     let restart = gap.restart_bar_gauge.unwrap();
     let shown = whole.signal("p_ch").unwrap().get(begin + 77).unwrap();
     assert!((restart - shown).abs() < 0.03, "{restart} {shown}");
-    let text = found.defects.sentences.join("; ");
+    let [text] = &found.defects.sentences[..] else {
+        panic!("one sentence for a gap: {:?}", found.defects.sentences)
+    };
     assert!(
         text.contains("no rows from") && text.contains("begins again at the measured"),
         "{text}"

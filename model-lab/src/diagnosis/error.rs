@@ -5,6 +5,7 @@ use plant_sim::effects::Effect;
 use plant_sim::parameters::Part;
 
 use super::knowledge::KnowledgeError;
+use super::result::words::all_of;
 use crate::error::CompareError;
 use crate::measured::FITTED_SIGNALS;
 
@@ -100,7 +101,7 @@ pub enum DiagnoseError {
     },
     /// No excitation can be simulated for the rivals in a bounded number of steps.
     #[error(
-        "none of the {test_signals} test_signals can be simulated in a bounded number of steps; \
+        "none of the {test_signals} test signals can be simulated in a bounded number of steps; \
          check the plant file with `retarder simulate`, or plan with other limits"
     )]
     NoTestSignalSimulated {
@@ -109,10 +110,10 @@ pub enum DiagnoseError {
     },
     /// The logs lack the signals in which the rivals show.
     #[error(
-        "the logs have {} alone, which show nothing of {} whatever is commanded, so that no test_signal is worth planning; \
+        "the logs have {} alone, which show nothing of {} whatever is commanded, so that no test signal is worth planning; \
          log {} of this rig as well and give that log with --log",
-        logged.join(" and "),
-        effects.join(" and "),
+        all_of(logged),
+        all_of(effects),
         unlogged(logged).join(" or ")
     )]
     NoTestSignalShows {

@@ -13,6 +13,7 @@ use super::error::{DiagnoseError, candidate};
 use super::evidence::unknowns::Unknown;
 use super::fit::split::Split;
 use super::fit::trial::{Bench, Trial};
+use super::result::words::{all_of, spaced};
 use super::result::{Cost, FittedParameter, NuisanceValue, Step};
 use super::search::assemble;
 use super::search::selection::Selection;
@@ -235,11 +236,11 @@ fn sentence(error_steps: &[Step]) -> String {
     let added: Vec<String> = error_steps
         .iter()
         .filter_map(|step| step.added.as_ref())
-        .map(|id| id.replace(['_', '.'], " "))
+        .map(|id| spaced(id))
         .collect();
     format!(
         "with {} {:.0} % of the excess error is explained",
-        added.join(" and "),
+        all_of(&added),
         100.0 * last.explained_share.max(0.0)
     )
 }

@@ -28,16 +28,16 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
         &capital(&found.sentence),
         terminal,
     );
-    text += &doubted(&found.warnings, terminal);
-    text += &excluded(&found.not_compared, terminal);
-    text += &defects(&found.defects, terminal);
-    text += &conditions(&found.clocks, &found.starts, terminal);
     for candidate in named(found) {
         text += &paragraph(
             &format!("{}: {}", candidate.effect, candidate.physics),
             terminal,
         );
     }
+    text += &doubted(&found.warnings, terminal);
+    text += &excluded(&found.not_compared, terminal);
+    text += &defects(&found.defects, terminal);
+    text += &conditions(&found.clocks, &found.starts, terminal);
     text += "\n";
     text += &error_steps(&found.error_steps, found.horizon, terminal);
     text += "\n";

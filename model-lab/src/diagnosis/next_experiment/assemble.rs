@@ -5,6 +5,7 @@ use super::result::{
     Limits, NEXT_EXPERIMENT_SCHEMA, NextExperiment, Phase, RivalEffect, Sensor, TestSignal,
 };
 use super::test_signal::Sequence;
+use crate::diagnosis::result::words::{all_of, spaced};
 use crate::diagnosis::verdict::DISTINGUISHABLE;
 
 /// Assembles the rivals with the excitations and sensors that distinguish them.
@@ -72,13 +73,13 @@ fn sentence(
     sensors: &[Sensor],
 ) -> String {
     let name = |rival: &RivalEffect| {
-        rival.effect.as_deref().map_or_else(
-            || "the plain model".to_owned(),
-            |id| id.replace(['_', '.'], " "),
-        )
+        rival
+            .effect
+            .as_deref()
+            .map_or_else(|| "the plain model".to_owned(), spaced)
     };
     let names: Vec<String> = rivals.iter().map(name).collect();
-    let names = names.join(" and ");
+    let names = all_of(&names);
     if *distance >= DISTINGUISHABLE {
         format!(
             "\"{}\" distinguishes {names}: {distance:.1} standard deviations of the noise, {DISTINGUISHABLE} are enough",

@@ -16,7 +16,7 @@ use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::{AT_BOUND, Unknown};
 use crate::diagnosis::fit::interval::{half_widths, with_model_error};
 use crate::diagnosis::fit::trial::{Bench, Trial};
-use crate::diagnosis::result::words::spaced;
+use crate::diagnosis::result::words::{all_of, spaced};
 use crate::diagnosis::result::{
     BySignal, Candidate, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, OutsideValue,
     Regime, Step, StepKind, Verdict,
@@ -432,14 +432,14 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                 let rivals: Vec<String> = rival_effects.iter().map(|id| spaced(id)).collect();
                 format!(
                     "{wrong}; or the file is right and {} is missing, which explains the error as well",
-                    rivals.join(" and ")
+                    all_of(&rivals)
                 )
             }
         }
         Verdict::Found => {
             let found = format!(
                 "missing: {}; with {} {share:.0} % of the excess error{} is explained",
-                named.join(" and "),
+                all_of(&named),
                 if named.len() == 1 { "it" } else { "them" },
                 match horizon {
                     Horizon::OneStepAhead => "",
@@ -459,7 +459,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         }
         Verdict::FormWrong => format!(
             "missing: {}, which explains {share:.0} % of the excess error; its law differs here, or something else is missing as well",
-            named.join(" and ")
+            all_of(&named)
         ),
         Verdict::NotInLibrary => {
             let best = candidates.first().map_or(String::new(), |best| {
