@@ -37,6 +37,13 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
     html! {
         section #diagnosis {
             h2 { "Which effect is missing? " (badge(diagnosis)) }
+            @for candidate in diagnosis.candidates.iter().filter(named) {
+                p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
+            }
+            @if let Some(next) = part.next_command {
+                p.lead { (capitalised(next.purpose)) ":" }
+                pre { code { (foreign(&next.command)) } }
+            }
             p.rule { "Validated on " (foreign(&diagnosis.held_out)) "; " (foreign(&diagnosis.predictor)) "." }
             @for (log, warnings) in &diagnosis.warnings {
                 @for warning in warnings {
@@ -56,13 +63,6 @@ pub(super) fn section(part: &DiagnosisPart<'_>) -> Markup {
                 @for sentence in &defects.sentences {
                     p.finding { (foreign(log)) ": " (foreign(sentence)) "." }
                 }
-            }
-            @for candidate in diagnosis.candidates.iter().filter(named) {
-                p.finding { strong { (foreign(&title(&candidate.effect))) } ": " (foreign(&candidate.physics)) }
-            }
-            @if let Some(next) = part.next_command {
-                p.lead { (capitalised(next.purpose)) ":" }
-                pre { code { (foreign(&next.command)) } }
             }
             (figure(plot::error_steps(&diagnosis.error_steps)))
             details { summary { "In numbers" } (error_step_table(&diagnosis.error_steps)) }
