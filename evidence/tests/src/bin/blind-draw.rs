@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use retarder_tests::blind::draw::{Counts, Draw, DrawError};
+use retarder_tests::blind::ended;
 use retarder_tests::blind::format::Folders;
 
 /// Draw sealed rigs from a seed.
@@ -28,16 +29,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match draw(Options::parse()) {
-        Ok(()) => {
-            eprintln!();
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            eprintln!("\n{error}");
-            ExitCode::from(2)
-        }
-    }
+    ended(draw(Options::parse()).map(|()| ExitCode::SUCCESS))
 }
 
 fn draw(options: Options) -> Result<(), DrawError> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use retarder_tests::blind::ended;
 use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::pairs::run;
 use retarder_tests::blind::run::Released;
@@ -22,13 +23,6 @@ struct Options {
 fn main() -> ExitCode {
     let options = Options::parse();
     let progress = |done, all| eprint!("\r{done} of {all} fits   ");
-    let ended = run(&Folders::new(options.draw), &options.released, progress);
-    eprintln!();
-    match ended {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::from(2)
-        }
-    }
+    let done = run(&Folders::new(options.draw), &options.released, progress);
+    ended(done.map(|()| ExitCode::SUCCESS))
 }

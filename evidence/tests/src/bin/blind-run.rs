@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use retarder_tests::blind::ended;
 use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::run::{Progress, Released, run};
 
@@ -26,22 +27,16 @@ fn main() -> ExitCode {
         eprint!("\r{done} of {all} rigs, {} s left   ", left.as_secs());
     };
     let folders = Folders::new(options.draw);
-    match run(&folders, &options.released, options.jobs, progress) {
-        Ok(0) => {
-            eprintln!();
-            ExitCode::SUCCESS
+    let done = run(&folders, &options.released, options.jobs, progress);
+    ended(done.map(|failed| {
+        if failed == 0 {
+            return ExitCode::SUCCESS;
         }
-        Ok(failed) => {
-            let found = folders.found();
-            eprintln!(
-                "\n{failed} rigs have no finding; {}/*.failed say why",
-                found.path().display()
-            );
-            ExitCode::FAILURE
-        }
-        Err(error) => {
-            eprintln!("\n{error}");
-            ExitCode::from(2)
-        }
-    }
+        let found = folders.found();
+        eprintln!(
+            "\n{failed} rigs have no finding; {}/*.failed say why",
+            found.path().display()
+        );
+        ExitCode::FAILURE
+    }))
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use retarder_tests::blind::ended;
 use retarder_tests::blind::field::run::{Progress, Retarder, diagnose, fit, refine};
 use retarder_tests::blind::format::{Folders, Stage};
 use retarder_tests::blind::run::RunError;
@@ -26,14 +27,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(0) => ExitCode::SUCCESS,
-        Ok(_) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("\n{error}");
-            ExitCode::from(2)
-        }
-    }
+    ended(run(&Options::parse()).map(|missing| ExitCode::from(u8::from(missing > 0))))
 }
 
 /// Runs the stages one after the other. Returns the number of missing findings.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use retarder_tests::blind::ended;
 use retarder_tests::blind::field::run::Retarder;
 use retarder_tests::blind::field::truth::run;
 use retarder_tests::blind::format::Folders;
@@ -27,13 +28,6 @@ fn main() -> ExitCode {
     let options = Options::parse();
     let progress = |done, all| eprint!("\r{done} of {all} rigs   ");
     let folders = Folders::new(options.draw);
-    let ended = run(&folders, &options.retarder, options.jobs, progress);
-    eprintln!();
-    match ended {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::from(2)
-        }
-    }
+    let done = run(&folders, &options.retarder, options.jobs, progress);
+    ended(done.map(|()| ExitCode::SUCCESS))
 }

@@ -11,9 +11,21 @@
 //!
 //! `docs/blind-benchmark.md` describes the kinds of rigs, right and wrong names, gates and seeds.
 
+use std::fmt::Display;
+use std::process::ExitCode;
+
 pub mod draw;
 pub mod field;
 pub mod format;
 pub mod pairs;
 pub mod run;
 pub mod score;
+
+/// Ends the line of the progress of a program. Reports the error of its work, which has exit status 2.
+pub fn ended(done: Result<ExitCode, impl Display>) -> ExitCode {
+    eprintln!();
+    done.unwrap_or_else(|error| {
+        eprintln!("{error}");
+        ExitCode::from(2)
+    })
+}
