@@ -16,19 +16,22 @@ function place(button, popup) {
   const left = Math.max(EDGE, Math.min(at.right, clientWidth - EDGE) - popup.offsetWidth);
   Object.assign(popup.style, {
     left: `${left - at.left}px`, top: isBelow ? "100%" : "auto", bottom: isBelow ? "auto" : "100%", maxHeight: `${Math.max(0, isBelow ? below : above)}px`,
-    visibility: "visible",
   });
 }
 
 /** Creates a button that opens `popup`. */
 export function menu(text, popup, properties = {}) {
-  const button = element("summary", {}, text);
+  const click = (event) => {
+    // A pop-up has its place as soon as it is visible; the event `toggle` comes later.
+    event.preventDefault();
+    made.open = !made.open;
+    if (made.open) fit();
+  };
+  const button = element("summary", { on: { click } }, text);
   const fit = () => { if (popup.isConnected) place(button, popup); else sizes.disconnect(); };
   const sizes = new ResizeObserver(fit);
   const toggle = () => {
     sizes.disconnect();
-    // A pop-up is invisible until it has its place.
-    popup.style.visibility = "";
     // The observer reports at once, and again whenever the window or the content changes.
     if (made.open) for (const one of [document.documentElement, popup]) sizes.observe(one);
   };

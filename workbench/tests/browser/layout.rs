@@ -66,11 +66,6 @@ fn every_pop_up_and_the_header_are_inside_of_windows_of_three_sizes() {
                 );
                 for menu in menus {
                     person.click(&format!("#{menu} > summary")).await;
-                    person
-                        .until(&format!(
-                            "getComputedStyle(document.querySelector('#{menu} > .popup')).visibility === 'visible'"
-                        ))
-                        .await;
                     let cut = outside(person, &format!("#{menu} > .popup")).await;
                     person
                         .picture_of_window(&format!("{page}-{menu}-{}", size.0))
