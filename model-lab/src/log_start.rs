@@ -9,6 +9,8 @@ use crate::measured::{Measured, PRESSURE, Restart};
 
 /// Relative pressure above ambient from which on a chamber counts as filled.
 const FILLED: f64 = 0.1;
+/// Least pressure after a correction (Pa abs).
+const LEAST_PRESSURE: f64 = 1e3;
 
 /// State of a plant at the first row of a log, and after its gaps.
 #[derive(Debug, Clone)]
@@ -144,6 +146,23 @@ impl LogStart {
             *shown = (*shown + self.ambient_bar) * warmth - self.ambient_bar;
         }
         Some(row)
+    }
+
+    /// Corrects the pressure of `replay` by `gain` times the error of what its sensor shows in `row`, where `measured_bar` was measured;
+    /// not where that is missing (NaN).
+    pub(crate) fn correct(
+        &self,
+        replay: &mut Replay,
+        (row, warmth): (&Row, f64),
+        measured_bar: f64,
+        gain: f64,
+    ) {
+        let error = measured_bar - row[self.pressure_place];
+        if error.is_finite() && gain > 0.0 {
+            let simulator = replay.simulator();
+            let corrected = simulator.state().pressure + gain * error * PA_PER_BAR / warmth;
+            simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
+        }
     }
 
     /// Restarts at the measured pressure where row `index` is the last one of a gap.

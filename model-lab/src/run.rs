@@ -3,7 +3,6 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{
     CurrentSampling, Inputs, ROW_SIGNALS, Replay, ReplayError, ReplayInput, Row,
@@ -221,7 +220,9 @@ impl<'a> Setup<'a> {
                 let simulator = replay.simulator();
                 open = [FILL, VENT].map(|valve| open[valve] || is_open(simulator, valve));
             }
-            columns.push(self.row(&row, &mut replay)?);
+            let warmth = self.warmth(&row, &mut replay);
+            let modelled = self.row(&row, &mut replay)?;
+            columns.push(modelled);
             let pressure = replay.simulator().state().pressure;
             let span_s = row.input.time_ns.saturating_sub(begin.0) as f64 * 1e-9;
             watch(Activity {
@@ -236,13 +237,8 @@ impl<'a> Setup<'a> {
             self.start.restart(&mut replay, row.index);
             let measured_bar =
                 measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
-            let measured = measured_bar * PA_PER_BAR + self.parameters.gas.ambient_pressure_pa;
-            // The model keeps the gas at the temperature of the wall.
-            let error = measured / self.warmth(&row, &mut replay) - pressure;
-            if gain > 0.0 && error.is_finite() {
-                let corrected = pressure + gain * error;
-                replay.simulator().set_chamber_pressure(corrected);
-            }
+            self.start
+                .correct(&mut replay, (&modelled, warmth), measured_bar, gain);
         }
         Ok(columns)
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::{env, fs};
 
 use plant_sim::PlantParameters;
+use plant_sim::effects::{EffectSetting, by_id};
 use recording::{Provenance, Recording, TimeBase, Unit};
 use serde_json::Value;
 
@@ -132,6 +133,23 @@ fn innovations_of_the_true_model_have_the_rms_that_theory_gives() {
         let ratio = short.rms / (sigma * theory);
         assert!((ratio - 1.0).abs() < 0.06, "gain {predictor_gain}: {ratio}");
     }
+}
+
+/// Defect seen: the predictor pulled the pressure of the chamber to what the sensor shows. With a sensor that shows 28 mbar too much, the true
+/// plant was 28 mbar off one step ahead.
+#[test]
+fn the_true_model_of_a_wrong_sensor_leaves_the_noise_one_step_ahead() {
+    let offset = EffectSetting::typical(by_id("sensor_offset").unwrap());
+    let plant = PlantParameters::nominal().with_effect(offset.with("offset_bar", 0.06));
+    let bench = Bench {
+        plant,
+        ..Bench::default()
+    };
+    let comparison = compared(&bench.plant, &bench.measure());
+    let short = signal(&comparison, "p_ch").one_step_ahead.clone().unwrap();
+    let ratio = short.rms / short.expected_rms.unwrap();
+    assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
+    assert!(short.bias.abs() < 1e-3, "{}", short.bias);
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod part;
 use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::parameters::{PA_PER_BAR, Part};
+use plant_sim::parameters::Part;
 use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, Surroundings};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, own_rows};
@@ -31,8 +31,6 @@ use crate::result::{
 const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// Interval of the commands, in samples of the ECU, above which the sample at which a command was given is undetermined.
 const SLOWER: f64 = 0.75;
-/// Least pressure after a correction (Pa abs).
-const LEAST_PRESSURE: f64 = 1e3;
 
 /// Log that is prepared for repeated simulation.
 #[derive(Clone)]
@@ -451,13 +449,8 @@ impl Log {
         let row = self.start.row(replay, input, warmth)?;
         self.start.restart(replay, index);
         if let Some(channel) = self.pressure().filter(|_| horizon == Horizon::OneStepAhead) {
-            let error = channel.values[index] - row[channel.column];
-            let gain = self.predictor.gains[index];
-            if error.is_finite() && gain > 0.0 {
-                let simulator = replay.simulator();
-                let corrected = simulator.state().pressure + gain * error * PA_PER_BAR / warmth;
-                simulator.set_chamber_pressure(corrected.max(LEAST_PRESSURE));
-            }
+            let (measured, gain) = (channel.values[index], self.predictor.gains[index]);
+            self.start.correct(replay, (&row, warmth), measured, gain);
         }
         Some(row)
     }
