@@ -97,16 +97,19 @@ impl<'a> Refitted<'a> {
             (found, adds_up) = (free, false);
         }
         let bench = split.bench(&plant, &library);
-        let last = found.steps.last_mut().expect("at least the plain plant");
-        search::report(watch, "the final fit", 0.0)?;
-        last.polish(&bench).ok_or_else(|| split.not_simulated())?;
-        let is_converged = last.is_converged(&bench);
-
+        let is_final = extent == Extent::All;
+        if is_final {
+            found = found.with_glance(&bench, watch)?;
+            search::report(watch, "the final fit", 0.0)?;
+            let last = found.steps.last_mut().expect("at least the plain plant");
+            last.polish(&bench).ok_or_else(|| split.not_simulated())?;
+        }
         let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
+        let is_converged = last.is_converged(&bench);
         search::report(watch, "detection limits", 0.0)?;
-        let candidates: Vec<_> = found
-            .singles
-            .par_iter()
+        // Nobody sees those of a search that only shows whether to search with the estimates.
+        let shown = found.singles.par_iter().filter(|_| is_final);
+        let candidates: Vec<_> = shown
             .map(|tried| assemble::candidate(&bench, plain, last, tried))
             .collect();
         let error_steps = assemble::error_steps(&bench, &found);

@@ -306,10 +306,10 @@ fn farthest(outside: &[OutsideValue]) -> String {
     let listed = farthest.iter().take(OUTSIDE_LISTED);
     let listed: Vec<String> = listed.map(|value| value.to_string()).collect();
     let listed = listed.join(", ");
-    if more == 0 {
-        listed
-    } else {
-        format!("{listed}, and {more} more values")
+    match more {
+        0 => listed,
+        1 => format!("{listed}, and 1 more value"),
+        _ => format!("{listed}, and {more} more values"),
     }
 }
 
@@ -368,13 +368,16 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         .iter()
         .filter_map(|step| step.added.as_deref())
         .map(|id| {
-            let uncertain = if is_open(id) { ", size uncertain" } else { "" };
-            match equivalents.get(id) {
-                Some(ids) if ids.len() > 1 => {
-                    let others: Vec<String> = ids[1..].iter().map(|id| spaced(id)).collect();
-                    format!("{} (or {}){uncertain}", spaced(id), others.join(" or "))
-                }
-                _ => spaced(id) + uncertain,
+            let alike = equivalents.get(id).and_then(|ids| ids.get(1..));
+            let alike = alike.filter(|ids| !ids.is_empty()).map(|ids| {
+                let others: Vec<String> = ids.iter().map(|id| spaced(id)).collect();
+                format!("or {}", others.join(" or "))
+            });
+            let open = is_open(id).then(|| "size uncertain".to_owned());
+            let notes: Vec<String> = alike.into_iter().chain(open).collect();
+            match notes.is_empty() {
+                true => spaced(id),
+                false => format!("{} ({})", spaced(id), notes.join("; ")),
             }
         })
         .collect();

@@ -68,7 +68,7 @@ pub(crate) fn find_in_free_run(
     // Other values of the ordinary parameters bring the errors down to those of a correct model. An effect may do that as well, and may be
     // any that takes the place of such a value.
     if plain.leaves_little() {
-        return selection::of_plain_alone(&split.bench(plant, library), plain, watch).map(Some);
+        return Ok(Some(Selection::of_plain_alone(plain)));
     }
     // What the fit in free run takes away is correlated over the whole log; an effect does not have to show beside it.
     base.correlation_samples = plain.correlation_samples;
@@ -137,7 +137,7 @@ fn select_from(
             selection::singles(&bench, &plain, watch)?
         }
         None if plain.is_material() => selection::singles(&bench, base, watch)?,
-        None => selection::singles(&bench, &plain, watch)?,
+        None => Vec::new(),
     };
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {

@@ -48,7 +48,7 @@ pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 /// Extent of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effort {
-    /// A few steps of each effect in the first form of its law, where nothing seems to be missing.
+    /// Each effect in the first form of its law, where nothing is missing; a few steps of those that might still gain.
     Glance,
     /// Every form with a sufficient expected gain, completed where it gains.
     Search,
@@ -72,9 +72,9 @@ impl Effort {
         match self {
             Self::Rival { gain, .. } => BEGIN_RIVAL_PROSPECT * most.max(gain),
             // Near the noise an effect is weak and its expected gain is accurate.
+            Self::Glance => weak(),
             Self::Search if !base.is_material() => weak(),
             Self::Search => weak().max(BEGIN_PROSPECT * most),
-            Self::Glance => BEGIN_PROSPECT * most,
         }
     }
 

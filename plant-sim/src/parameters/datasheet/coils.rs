@@ -516,6 +516,22 @@ mod tests {
         assert!(said.to_string().contains(expected), "{said}");
     }
 
+    /// Defect seen: the critical ratio of a valve with a coil was ignored without a word; its orifice has the usual one.
+    #[test]
+    fn a_critical_ratio_of_a_valve_with_a_coil_is_listed_as_unused() {
+        let text =
+            format!("{COILS}\n orifice_fill_mm = 1.9\n orifice_vent_mm = 1.9\n fill_b = 0.3");
+        let plant = PlantParameters::from_datasheet(&text, "rig").unwrap();
+        let line = 1 + text
+            .lines()
+            .position(|line| line.contains("fill_b"))
+            .unwrap();
+        assert_eq!(
+            plant.unused_in_datasheet(&text),
+            [(line, "fill_b".to_owned())]
+        );
+    }
+
     /// Defect read: a conductance that no orifice of this size has was dropped without a word, and a usual one assumed.
     #[test]
     fn what_follows_and_is_out_of_range_is_refused() {

@@ -581,7 +581,7 @@ mod tests {
         assert!(twice.to_string().contains(expected), "{twice}");
     }
 
-    /// Defect seen: `fill_b` of a valve with a coil was ignored without a word.
+    /// Defect seen: such a value was ignored without a word.
     #[test]
     fn a_value_that_no_part_has_is_listed() {
         let unused = |lines: &str| {
