@@ -414,13 +414,12 @@ fn location(found: &Diagnosis, terminal: &Terminal) -> String {
     }
     if !found.effects.is_empty() {
         let after = placed(&found.location.after);
-        if after.is_empty() {
-            let left = if found.unexplained {
-                "the unexplained residual is in no particular regime"
-            } else {
-                "no excess error is left"
-            };
-            text += &paragraph(&format!("With the named effects: {left}."), terminal);
+        if let (true, Some(last)) = (after.is_empty(), found.error_steps.last()) {
+            let left = format!(
+                "With the named effects: {:.2} times the noise is left, in no particular regime.",
+                last.worst_in_noise()
+            );
+            text += &paragraph(&left, terminal);
         }
         for sentence in after {
             text += &paragraph(&format!("With the named effects: {sentence}."), terminal);
@@ -476,5 +475,20 @@ mod tests {
             !without.contains(list) && without.contains(none),
             "{without}"
         );
+    }
+
+    /// Defect seen: "no excess error is left" stood beside an unexplained residual of 1.1 times the noise.
+    #[test]
+    fn what_the_named_effects_leave_is_said_in_noise_floors() {
+        let mut found: Diagnosis = serde_json::from_str(EXAMPLE).unwrap();
+        found.location.after.clear();
+        let terminal = Terminal {
+            width: 200,
+            is_coloured: false,
+        };
+        let floors = found.error_steps.last().unwrap().worst_in_noise();
+        let expected = format!("With the named effects: {floors:.2} times the noise is left");
+        let text = location(&found, &terminal);
+        assert!(text.contains(&expected), "{text}");
     }
 }

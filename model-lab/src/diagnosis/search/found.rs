@@ -162,15 +162,19 @@ fn select_from(
         (plain, singles) = other;
     }
     let bench = split.bench(plant, library);
-    let found = selection::forward_selection(&bench, plain, singles, watch)?;
+    let mut found = selection::forward_selection(&bench, plain, singles, watch)?;
     if found.verdict() != Verdict::NotInLibrary {
         return Ok(found);
     }
     let plain = &found.steps[0];
-    match finish_begun(&bench, plain, &found.singles, watch)? {
-        Some(singles) => selection::forward_selection(&bench, plain.clone(), singles, watch),
-        None => Ok(found),
+    let Some(singles) = finish_begun(&bench, plain, &found.singles, watch)? else {
+        return Ok(found);
+    };
+    if selection::begins_otherwise(&bench, plain, &found.singles, &singles) {
+        return selection::forward_selection(&bench, plain.clone(), singles, watch);
     }
+    found.singles = singles;
+    Ok(found)
 }
 
 /// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that

@@ -128,6 +128,25 @@ pub(crate) fn forward_selection(
     Ok(found)
 }
 
+/// Returns whether the selection from the effects alone in `finished` may begin with another one, or elsewhere, than that from `begun`.
+pub(crate) fn begins_otherwise(
+    bench: &Bench,
+    plain: &Trial,
+    begun: &[Tried],
+    finished: &[Tried],
+) -> bool {
+    let firsts = |singles: &[Tried]| {
+        let alone = [
+            best_credible(bench, plain, singles),
+            explains_alone(plain, singles),
+        ];
+        let firsts = promising(bench, plain, singles).into_iter();
+        let firsts = firsts.chain(alone.into_iter().flatten());
+        firsts.map(|first| first.fit.z).collect::<Vec<_>>()
+    };
+    firsts(begun) != firsts(finished)
+}
+
 /// The `single` effect with its fit followed to the end: a further effect must not explain what a search left.
 fn to_its_end(bench: &Bench, single: Trial) -> Trial {
     if single.leaves_nothing() {
