@@ -106,12 +106,15 @@ impl<'a> Refitted<'a> {
         }
         let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
         let is_converged = last.is_converged(&bench);
-        search::report(watch, "detection limits", 0.0)?;
+        let mut candidates = Vec::new();
         // Nobody sees those of a search that only shows whether to search with the estimates.
-        let shown = found.singles.par_iter().filter(|_| is_final);
-        let candidates: Vec<_> = shown
-            .map(|tried| assemble::candidate(&bench, plain, last, tried))
-            .collect();
+        if is_final {
+            search::report(watch, "detection limits", 0.0)?;
+            let singles = found.singles.par_iter();
+            candidates = singles
+                .map(|tried| assemble::candidate(&bench, plain, last, tried))
+                .collect();
+        }
         let error_steps = assemble::error_steps(&bench, &found);
         let within = found.within.as_ref().unwrap_or(plain);
         let nuisance = assemble::nuisance(&bench, within, last);

@@ -1,8 +1,11 @@
 //! Trial of every effect of the library on top of a fitted plant.
 
 pub(crate) mod assemble;
+mod chain;
 pub(crate) mod detection;
 pub(crate) mod found;
+mod judgement;
+mod pair;
 pub(crate) mod plausibility;
 pub(crate) mod selection;
 

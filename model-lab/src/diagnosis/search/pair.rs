@@ -1,0 +1,208 @@
+//! Two effects together: the most promising first effects, and the best second one beside each.
+
+use rayon::prelude::*;
+
+use super::judgement::best_step;
+use super::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::fit::trial::{Bench, Trial};
+use crate::diagnosis::verdict::{CLEARLY_LESS, PARTLY_NAMED_SHARE};
+
+/// Number of first effects that are tried with every second one, ...
+const FIRSTS: usize = 3;
+/// ... if they explain at least this share of the excess on the fitted logs, ...
+const FIRST_SHARE: f64 = 0.05;
+/// ... and this share of what the best of them explains.
+const FIRST_OF_BEST: f64 = 0.25;
+/// Another form of a first effect is tried beside a second one if it gains this share of what the best form gains.
+const ALIKE_FORM: f64 = 0.9;
+
+/// Two effects together.
+pub(super) struct Pair {
+    pub(super) first: Trial,
+    /// The second effect alone.
+    pub(super) other: Trial,
+    pub(super) last: Trial,
+    /// Every second effect beside the first.
+    pub(super) tried: Vec<Tried>,
+}
+
+/// Two effects, fitted together.
+pub(super) enum Beside {
+    /// Both are needed.
+    Both(Box<Pair>),
+    /// One of them suffices, fitted from the place of the pair: its first fit had ended beside the best one.
+    Alone(Box<Tried>),
+}
+
+/// The effects alone that may be some of those that are missing, the one that explains most first: the best that are sound, and where
+/// these are few, those of which only what they leave, which others may explain, keeps open how strong they are.
+pub(super) fn promising(bench: &Bench, plain: &Trial, singles: &[Tried]) -> Vec<Trial> {
+    let excess = plain.fitted.total_excess();
+    let explained = |trial: &Trial| excess - trial.fitted.total_excess();
+    // What is distorted until it fits leaves nothing true for a second effect.
+    let (sound, unsound): (Vec<&Trial>, Vec<&Trial>) = singles
+        .iter()
+        .filter_map(|tried| tried.trial.as_ref())
+        .filter(|trial| explained(trial) >= FIRST_SHARE * excess)
+        .partition(|trial| trial.is_sound(bench, plain));
+    let open: Vec<&Trial> = unsound
+        .into_iter()
+        .filter(|trial| trial.is_sound_but_for_the_rest(bench, plain))
+        .collect();
+    let is_dominant = |trial: &&Trial| trial.share_of(plain) >= PARTLY_NAMED_SHARE;
+    let dominant = open.iter().copied().find(is_dominant);
+    let others = open.iter().copied().filter(|trial| !is_dominant(trial));
+    let mut firsts: Vec<&Trial> = sound.into_iter().take(FIRSTS).collect();
+    let room = FIRSTS - firsts.len();
+    firsts.extend(dominant);
+    firsts.extend(others.take(room));
+    let most = firsts.iter().copied().map(explained).fold(0.0, f64::max);
+    firsts.retain(|trial| explained(trial) >= FIRST_OF_BEST * most);
+    // The one that explains most is named first.
+    firsts.sort_by(|a, b| a.mean_excess().total_cmp(&b.mean_excess()));
+    firsts.into_iter().cloned().collect()
+}
+
+/// The last effect of `trial` on top of `base` in the form that fits best, each fitted to the end: beside an effect among `singles` that
+/// gains far more, a search only begins these fits.
+fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) -> Option<Trial> {
+    let gain = |trial: &Trial| base.fit.cost - trial.fit.cost;
+    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
+    if gain(&trial) >= PROSPECT * trials.map(gain).fold(0.0, f64::max) {
+        return Some(trial);
+    }
+    let effect = trial.effects.last()?.effect();
+    let best = best_form(bench, base, bench.plant.forms_of(effect));
+    best.filter(|best| best.is_preferred_to(&trial))
+        .or(Some(trial))
+}
+
+/// The best second effect for each of `firsts`, the most promising first, if both are needed; or an effect that suffices alone.
+pub(super) fn best_pair(
+    bench: &Bench,
+    plain: &Trial,
+    firsts: Vec<Trial>,
+    singles: &[Tried],
+    watch: Watch,
+) -> Result<Option<Beside>, DiagnoseError> {
+    let mut best: Option<Box<Pair>> = None;
+    for first in firsts {
+        // The same two in the other order differ by what a fit leaves open.
+        let ids: Vec<_> = first.effects.iter().map(|effect| effect.id()).collect();
+        let has_first = |pair: &Pair| ids.iter().all(|id| pair.last.has(id));
+        if best.as_deref().is_some_and(has_first) {
+            continue;
+        }
+        let Some(first) = in_best_form(bench, plain, singles, first) else {
+            continue;
+        };
+        match pair_on(bench, plain, first.clone(), singles, watch)? {
+            Some(Beside::Both(own)) => keep_better(&mut best, own),
+            Some(alone) => return Ok(Some(alone)),
+            None => {}
+        }
+        // Alone, the form of the first is distorted by what the second explains; it may be another one beside it.
+        let is_partly = |pair: &Pair| pair.explains_most(plain) && pair.last.is_material();
+        if best
+            .as_ref()
+            .is_some_and(|pair| has_first(pair) && is_partly(pair))
+        {
+            for form in alike_forms(bench, plain, &first) {
+                if let Some(Beside::Both(own)) = pair_on(bench, plain, form, singles, watch)? {
+                    keep_better(&mut best, own);
+                }
+            }
+        }
+        // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
+        let is_enough = |pair: &Pair| pair.explains_most(plain) || !pair.last.is_material();
+        if best.as_deref().is_some_and(is_enough) {
+            break;
+        }
+    }
+    Ok(best.map(Beside::Both))
+}
+
+/// The best second effect beside `first`, if both are needed; or one of them, if it suffices alone.
+fn pair_on(
+    bench: &Bench,
+    plain: &Trial,
+    mut first: Trial,
+    singles: &[Tried],
+    watch: Watch,
+) -> Result<Option<Beside>, DiagnoseError> {
+    if first.refresh(bench).is_none() {
+        return Ok(None);
+    }
+    let tried = try_all(bench, &first, Effort::Search, "pairs of effects", watch)?;
+    let Some(last) = best_step(bench, plain, (&first, &tried)) else {
+        return Ok(None);
+    };
+    let second = last.effects.last().expect("one was added").id();
+    let other = singles.iter().find(|tried| tried.id() == second);
+    let Some(other) = other.map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
+    else {
+        return Ok(None);
+    };
+    if !last.is_further_than(&first) || !last.is_further_than(&other) {
+        return Ok(None);
+    }
+    let named = first.effects.last().expect("one was added").id();
+    for (left_out, before) in [(named, &other), (second, &first)] {
+        let alone = bench.without(&last, left_out).filter(|alone| {
+            let is_clearly_less = alone.total_square() < CLEARLY_LESS * before.total_square();
+            is_clearly_less && !last.is_further_than(alone)
+        });
+        if let Some(alone) = alone {
+            return Ok(Some(Beside::Alone(Box::new(Tried {
+                setting: alone.effects.last().expect("one effect is left").clone(),
+                trial: Some(alone),
+                is_finished: true,
+            }))));
+        }
+    }
+    Ok(Some(Beside::Both(Box::new(Pair {
+        first,
+        other,
+        last,
+        tried,
+    }))))
+}
+
+/// Takes `pair` for the `best` one where it leaves less; the same two effects in other forms, where they leave clearly less.
+fn keep_better(best: &mut Option<Box<Pair>>, pair: Box<Pair>) {
+    let is_better = best.as_ref().is_none_or(|best| {
+        let mut effects = pair.last.effects.iter();
+        let is_same = effects.all(|effect| best.last.has(effect.id()));
+        let share = if is_same { CLEARLY_LESS } else { 1.0 };
+        pair.last.total_square() < share * best.last.total_square()
+    });
+    if is_better {
+        *best = Some(pair);
+    }
+}
+
+/// The last effect of `first` on top of `plain` in those other forms of its law that explain nearly as much, the best first.
+fn alike_forms(bench: &Bench, plain: &Trial, first: &Trial) -> Vec<Trial> {
+    let Some(named) = first.effects.last() else {
+        return Vec::new();
+    };
+    let mut forms = bench.plant.forms_of(named.effect());
+    forms.retain(|form| form.variant().name != named.variant().name);
+    let gain = |trial: &Trial| plain.fit.cost - trial.fit.cost;
+    let fits = forms
+        .into_par_iter()
+        .filter_map(|form| bench.finish(bench.begin(plain, form)?));
+    let mut alike: Vec<Trial> = fits
+        .filter(|trial| gain(trial) >= ALIKE_FORM * gain(first))
+        .collect();
+    alike.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    alike
+}
+
+impl Pair {
+    /// Whether it explains so much of the excess of `plain` that it may be named.
+    fn explains_most(&self, plain: &Trial) -> bool {
+        self.last.share_of(plain) >= PARTLY_NAMED_SHARE
+    }
+}
