@@ -83,6 +83,11 @@ impl Errors {
         self.by_signal.values().any(Sums::is_material)
     }
 
+    /// Returns whether `signal` has a material excess.
+    pub(crate) fn is_signal_material(&self, signal: &str) -> bool {
+        self.by_signal.get(signal).is_some_and(Sums::is_material)
+    }
+
     /// Returns whether a current has a material excess.
     pub(crate) fn is_current_material(&self) -> bool {
         let mut currents = self

@@ -2,6 +2,7 @@
 
 use plant_sim::logger_clock::LoggerClock;
 
+use super::effect_unknown::EVEN_SD;
 use super::log::{KnownClock, KnownPhase, Log};
 use crate::conditions::Conditions;
 
@@ -138,6 +139,21 @@ impl LogUnknown {
         }
     }
 
+    /// Returns the largest distance of a fitted phase from the known one (s); none where it is no phase.
+    pub(crate) fn phase_reach_s(&self) -> Option<f64> {
+        let (least_s, most_s) = self.range;
+        self.is_phase().then_some(0.5 * (most_s - least_s))
+    }
+
+    /// Lets a phase be further away from the known one, by up to `slack_s`.
+    pub(crate) fn loosen_phase(&mut self, slack_s: f64) {
+        if self.is_phase() {
+            let (least_s, most_s) = self.range;
+            self.range = ((least_s - slack_s).max(0.0), most_s + slack_s);
+            self.known.1 = self.known.1.hypot(EVEN_SD * slack_s);
+        }
+    }
+
     /// Returns the name of the condition, for people.
     pub(crate) fn name(&self) -> &'static str {
         match self.is_of_clock() {
@@ -153,12 +169,14 @@ impl LogUnknown {
     }
 
     pub(crate) fn is_of_clock(&self) -> bool {
-        match self.figure {
-            LogFigure::PhaseS { .. } | LogFigure::DriftPpm { .. } | LogFigure::EndPhaseS { .. } => {
-                true
-            }
-            LogFigure::StartExcessK | LogFigure::LnCoolingS => false,
-        }
+        self.is_phase() || matches!(self.figure, LogFigure::DriftPpm { .. })
+    }
+
+    fn is_phase(&self) -> bool {
+        matches!(
+            self.figure,
+            LogFigure::PhaseS { .. } | LogFigure::EndPhaseS { .. }
+        )
     }
 }
 

@@ -204,6 +204,29 @@ impl Unknowns {
         of_plant.with_conditions(logs)
     }
 
+    /// Returns by how much the delay of the commands may be wrong (s), because the clocks of the fitted logs compensate for it.
+    pub(crate) fn delay_slack_s(&self) -> f64 {
+        if !self.list.iter().any(Unknown::is_delay) {
+            return 0.0;
+        }
+        let of_log = |unknown: &Unknown| match unknown {
+            Unknown::Log(condition) => condition.phase_reach_s(),
+            Unknown::Nuisance(_) | Unknown::Effect(_) => None,
+        };
+        let reaches_s = self.list.iter().filter_map(of_log);
+        reaches_s.reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// Lets the clocks of the logs also compensate for a delay of the commands that is wrong by up to `slack_s`.
+    pub(crate) fn with_looser_clocks(mut self, slack_s: f64) -> Self {
+        for unknown in &mut self.list {
+            if let Unknown::Log(condition) = unknown {
+                condition.loosen_phase(slack_s);
+            }
+        }
+        self
+    }
+
     /// Adds the conditions of `logs` to the unknowns.
     fn with_conditions(mut self, logs: &[Log]) -> Self {
         let of_logs = logs.iter().enumerate();

@@ -327,7 +327,7 @@ impl Bench<'_> {
             unknowns.conditions(z, &mut conditions);
             conditions
         } else {
-            fitted_conditions(&unknowns.plant(z), self.checking)
+            fitted_conditions(&unknowns.plant(z), self.checking, unknowns.delay_slack_s())
         }
     }
 }

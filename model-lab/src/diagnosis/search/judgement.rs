@@ -3,6 +3,7 @@
 use super::Tried;
 use crate::diagnosis::evidence::errors::Errors;
 use crate::diagnosis::fit::trial::{Bench, Trial};
+use crate::diagnosis::result::BySignal;
 use crate::diagnosis::verdict::{
     ALIKE_EXCESS, ALIKE_SHARE, FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, FURTHER_SHARE,
     NAMED_EVIDENCE, NAMED_SHARE, PARTLY_NAMED_SHARE,
@@ -113,11 +114,30 @@ impl Trial {
     /// Whether what it adds to `base` takes most of what was left there. Its strength comes from the fitted logs, so the evidence does as well.
     pub(super) fn is_further_than(&self, base: &Self) -> bool {
         let ([base_fitted, base_checked], [fitted, checked]) = (base.sets(), self.sets());
-        let excesses = [(base_fitted, fitted), (base_checked, checked)]
-            .map(|(base, own)| [base.total_excess(), own.total_excess()]);
-        takes_most_of_sets(excesses, base.sets().map(Errors::is_material))
-            && self.evidence_over(base) > FURTHER_EVIDENCE
+        let sets = [[base_fitted, fitted], [base_checked, checked]];
+        let excesses = sets.map(|set| set.map(Errors::total_excess));
+        let takes_most = takes_most_of_sets(excesses, base.sets().map(Errors::is_material))
+            || self.does_no_harm_to(base)
+                && takes_most_of_a_signal(&sets.map(|set| set.map(Errors::excess)), |signal| {
+                    base.sets().map(|errors| errors.is_signal_material(signal))
+                });
+        takes_most && self.evidence_over(base) > FURTHER_EVIDENCE
     }
+}
+
+/// Returns whether a further effect takes most of the `excesses` of one signal, before it and left with it, on the fitted logs and on what
+/// was held out: an effect shows in some signals, and other ones may be missing in the rest.
+fn takes_most_of_a_signal(
+    excesses: &[[BySignal; 2]; 2],
+    is_material: impl Fn(&str) -> [bool; 2],
+) -> bool {
+    let mut signals = excesses.iter().flatten().flat_map(BySignal::keys);
+    signals.any(|signal| {
+        let of_signal = |excess: &BySignal| excess.get(signal).copied().unwrap_or(0.0);
+        let excesses = [0, 1].map(|set| [0, 1].map(|trial| of_signal(&excesses[set][trial])));
+        let is_material = is_material(signal);
+        is_material.contains(&true) && takes_most_of_sets(excesses, is_material)
+    })
 }
 
 /// Returns whether a further effect takes most of the `excesses`, before it and left with it, on the fitted logs and on what was held out:
@@ -144,7 +164,7 @@ fn takes_most([before, left]: [f64; 2], is_asked: bool) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{takes_most, takes_most_of_sets};
+    use super::{BySignal, takes_most, takes_most_of_a_signal, takes_most_of_sets};
 
     /// Defect seen: a side chamber took the excess of the check log from 0.76 to 0.07. It was not named, because the fitted log excites it
     /// less, and showed 0.037.
@@ -173,6 +193,25 @@ mod tests {
             [[0.05, 0.0], [0.05, 0.0]],
             [false, false]
         ));
+    }
+
+    /// Defect seen: static friction took all of the pressure's excess, but not half of the sum with the currents, which further effects
+    /// left. With more noise, when the currents showed less, it was named.
+    #[test]
+    fn a_further_effect_may_take_most_of_one_signal() {
+        let excess = |current: f64, pressure: f64| {
+            let signals = [("i_vent", current), ("p_ch", pressure)];
+            BySignal::from(signals.map(|(signal, excess)| (signal.to_owned(), excess)))
+        };
+        let fitted = [excess(0.48, 0.0), excess(0.28, 0.0)];
+        let is_material = |signal: &str| [signal == "i_vent", true];
+        let takes_most = |checked: [BySignal; 2]| {
+            takes_most_of_a_signal(&[fitted.clone(), checked], is_material)
+        };
+        assert!(takes_most([excess(1.87, 0.65), excess(1.2, 0.0)]));
+        assert!(!takes_most([excess(1.87, 0.65), excess(1.2, 0.4)]));
+        // Less than half of the current on the fitted logs.
+        assert!(!takes_most([excess(1.87, 0.65), excess(0.8, 0.65)]));
     }
 
     #[test]

@@ -5,8 +5,9 @@
 
 use plant_sim::logger_clock::LoggerClock;
 
+use super::Log;
 use super::commands::{CommandClock, FITTED_SLACK, ends_s};
-use super::{EVEN_SD, Log};
+use crate::diagnosis::evidence::effect_unknown::EVEN_SD;
 use crate::diagnosis::evidence::log::{KnownClock, KnownPhase};
 
 /// Least standard deviation of a phase that the commands determine, over the time from row to row.

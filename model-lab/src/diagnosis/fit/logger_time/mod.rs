@@ -57,8 +57,6 @@ const CLEAR_FITTED: f64 = 0.98;
 const ROUNDS: usize = 2;
 /// Tried phases within the range that the commands admit, over half of it.
 const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
-/// Standard deviation of a uniform distribution, divided by half its width.
-const EVEN_SD: f64 = 0.577;
 
 /// Prior knowledge of the delay of the commands during the search for a clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -206,7 +204,7 @@ pub(crate) fn find_conditions(
 /// Fits the conditions of the logs in `evidence`, including found clocks, with `plant`, whose parameters are right.
 pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     for _ in 0..ROUNDS {
-        let conditions = fitted_conditions(plant, evidence);
+        let conditions = fitted_conditions(plant, evidence, 0.0);
         evidence.set_conditions(&conditions, plant);
         for log in &mut evidence.logs {
             log.settle_commands(plant);
@@ -214,10 +212,15 @@ pub(crate) fn fit_conditions(plant: &PlantParameters, evidence: &mut Evidence) {
     }
 }
 
-/// Returns the conditions of the logs in `evidence` that suit `plant` best, with the present assignment of the commands.
-pub(crate) fn fitted_conditions(plant: &PlantParameters, evidence: &Evidence) -> Vec<Conditions> {
+/// Returns the conditions of the logs in `evidence` that suit `plant` best, with the present assignment of the commands. The delay of
+/// `plant` may be wrong by up to `delay_slack_s`, for which the clocks compensate.
+pub(crate) fn fitted_conditions(
+    plant: &PlantParameters,
+    evidence: &Evidence,
+    delay_slack_s: f64,
+) -> Vec<Conditions> {
     let mut conditions = evidence.conditions();
-    let unknowns = Unknowns::of_logs(plant, &evidence.logs);
+    let unknowns = Unknowns::of_logs(plant, &evidence.logs).with_looser_clocks(delay_slack_s);
     if unknowns.list().is_empty() {
         return conditions;
     }
@@ -297,6 +300,58 @@ mod tests {
             assert!(sd_s < 0.5e-3 && reach_s < 1.6e-3, "{sd_s} {reach_s}");
             assert!(off_s.abs() < reach_s, "{off_s} {sd_s}");
         }
+    }
+
+    /// Defect seen: the commands of the fitted log left its clock open by 1.2 ms, and its fit took that away from the delay. Those of the
+    /// check log did not leave as much open: its currents had 19 noise floors, and no effect was named.
+    #[test]
+    fn a_clock_compensates_for_a_delay_that_the_fitted_logs_leave_open() {
+        let rig = PlantParameters::nominal();
+        let clock = LoggerClock {
+            phase_s: 9.5e-3,
+            drift_ppm: -120.0,
+        };
+        let log = logged_through(&rig, (clock, 6.9e-3), 1, &PULSES.repeat(30));
+        let evidence = gather(&rig, [&log]).unwrap();
+        let log = &evidence.logs[0];
+        let KnownClock::Ends([known, _]) = log.known_clock else {
+            panic!("the commands determine it");
+        };
+        let [later_s, slack_s] = [known.reach_s + 1e-3, 1.5e-3];
+        let mut plant = rig.clone();
+        plant.ecu.command_delay_s += later_s;
+        let off_s = |slack_s: f64| {
+            let found = fitted_conditions(&plant, &evidence, slack_s)[0]
+                .clock
+                .unwrap();
+            let at_s = log.middle_s();
+            within_sample_s(
+                log,
+                found.phase_at_s(at_s) - clock.phase_at_s(at_s) - later_s,
+            )
+        };
+        assert!(off_s(0.0).abs() > 0.5e-3, "{}", off_s(0.0));
+        assert!(off_s(slack_s).abs() < 0.2e-3, "{}", off_s(slack_s));
+    }
+
+    #[test]
+    fn the_clocks_leave_a_fitted_delay_open_as_far_as_their_own_range() {
+        let plant = PlantParameters::nominal();
+        let clock = LoggerClock {
+            phase_s: 9.5e-3,
+            drift_ppm: -120.0,
+        };
+        let log = logged_through(&plant, (clock, 6.9e-3), 1, &PULSES.repeat(30));
+        let slack_s = |plant: &PlantParameters| {
+            let evidence = gather(plant, [&log]).unwrap();
+            Unknowns::new(plant, &[], &evidence.logs).delay_slack_s()
+        };
+        assert!((0.3e-3..1.6e-3).contains(&slack_s(&plant)));
+        let mut exact = plant.clone();
+        exact
+            .knowledge
+            .insert(COMMAND_DELAY.to_owned(), Knowledge::Exact);
+        assert_eq!(slack_s(&exact), 0.0);
     }
 
     /// Defect seen: `diagnose` rejected the clock that `refine` had found. At the beginning of the log, where no drift was tried, 185 ppm

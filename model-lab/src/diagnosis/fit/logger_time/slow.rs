@@ -11,8 +11,9 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::Part;
 use rayon::prelude::*;
 
-use super::{DELAY_STEP_S, DRIFT_MAX_PPM, EVEN_SD, IN_TIME_FITTED, loss};
+use super::{DELAY_STEP_S, DRIFT_MAX_PPM, IN_TIME_FITTED, loss};
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::effect_unknown::EVEN_SD;
 use crate::diagnosis::evidence::log::{KnownClock, KnownPhase, Log};
 
 /// Step of the tried drifts: it moves the last row by this time (s).
