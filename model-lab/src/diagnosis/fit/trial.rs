@@ -338,6 +338,11 @@ impl Trial {
         self.unknowns.plant(&self.fit.z)
     }
 
+    /// Returns the effect that was added last.
+    pub(crate) fn named(&self) -> &'static str {
+        self.effects.last().expect("one was added").id()
+    }
+
     /// Returns the drifts of the clocks (ppm) that were fitted to the logs in `fitting`.
     pub(crate) fn fitted_drifts_ppm(&self, fitting: &Evidence) -> Vec<f64> {
         let mut conditions = fitting.conditions();

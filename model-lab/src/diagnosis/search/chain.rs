@@ -28,7 +28,7 @@ pub(super) fn chain_from(
             return Ok(longer);
         }
     }
-    let first = pair.first.effects.last().expect("one was added").id();
+    let first = pair.first.named();
     let rivals = rivals(bench, (first, &pair.last), &pair.other, watch)?;
     Ok(Some(Chain {
         rivals: vec![rivals, pair.tried],
@@ -36,44 +36,76 @@ pub(super) fn chain_from(
     }))
 }
 
-/// Adds effects to those of `steps`, the best at each step, as long as they leave something material and another one takes most of it; none
-/// where there is none, they explain too little of what `plain` lacks, or one of them is not needed beside the others.
+/// Adds effects to those of `steps`, the best at each step, as long as they leave something material and another one takes most of it, and
+/// leaves out those that prove unnecessary beside the others; none where no effect is added, or where they explain too little of what
+/// `plain` lacks.
 fn longer_chain(
     bench: &Bench,
     plain: &Trial,
     mut steps: Vec<Trial>,
     watch: Watch,
 ) -> Result<Option<Chain>, DiagnoseError> {
-    let mut tried = Vec::new();
+    let mut added = None;
     while let Some(last) = steps.last_mut().filter(|last| last.is_material()) {
         if last.refresh(bench).is_none() {
             return Ok(None);
         }
-        let further = try_all(bench, last, Effort::Search, "further effects", watch)?;
-        let next = best_step(bench, plain, (last, &further));
+        let tried = try_all(bench, last, Effort::Search, "further effects", watch)?;
+        // One that makes an earlier one unnecessary leaves that one's size open.
+        let next = best_step(bench, plain, (last, &tried))
+            .or_else(|| best_step(bench, last, (last, &tried)));
         let Some(next) = next.filter(|next| next.is_further_than(last)) else {
             break;
         };
         steps.push(next);
-        tried = further;
+        added = Some(tried);
     }
-    let last = &steps[steps.len() - 1];
-    if tried.is_empty() || !last.explains(plain) {
+    if added.is_none() || !steps[steps.len() - 1].explains(plain) {
         return Ok(None);
     }
-    let mut of_steps = Vec::new();
-    for effect in &last.effects[plain.effects.len()..last.effects.len() - 1] {
-        let without = bench.without(last, effect.id());
-        let Some(without) = without.filter(|without| last.is_further_than(without)) else {
-            return Ok(None);
-        };
-        of_steps.push(rivals(bench, (effect.id(), last), &without, watch)?);
+    let withouts = loop {
+        // The effect that was added last is needed beside the others.
+        let asked = &steps[..steps.len() - usize::from(added.is_some())];
+        match without_each(bench, &steps[steps.len() - 1], asked) {
+            Ok(withouts) => break withouts,
+            Err(unnecessary) => {
+                let Some(fewer) = left_out(bench, &steps, unnecessary) else {
+                    return Ok(None);
+                };
+                (steps, added) = (fewer, None);
+            }
+        }
+    };
+    let last = &steps[steps.len() - 1];
+    if steps.len() < 2 || !last.explains(plain) || !last.is_credible(bench, plain) {
+        return Ok(None);
     }
-    of_steps.push(tried);
-    Ok(Some(Chain {
-        steps,
-        rivals: of_steps,
-    }))
+    let of_steps = steps.iter().zip(&withouts);
+    let rivals =
+        of_steps.map(|(step, without)| rivals(bench, (step.named(), last), without, watch));
+    let mut rivals = rivals.collect::<Result<Vec<_>, _>>()?;
+    rivals.extend(added);
+    Ok(Some(Chain { steps, rivals }))
+}
+
+/// Returns `last` without the effect of each of `steps`; the place of the first one that is not needed beside the others as an error.
+fn without_each(bench: &Bench, last: &Trial, steps: &[Trial]) -> Result<Vec<Trial>, usize> {
+    let steps = steps.iter().enumerate();
+    let withouts = steps.map(|(place, step)| {
+        let without = bench.without(last, step.named());
+        without
+            .filter(|without| last.is_further_than(without))
+            .ok_or(place)
+    });
+    withouts.collect()
+}
+
+/// Returns the steps without the effect of the one at `place`; none where one of them cannot be simulated.
+fn left_out(bench: &Bench, steps: &[Trial], place: usize) -> Option<Vec<Trial>> {
+    let (before, from) = steps.split_at(place);
+    let named = from[0].named();
+    let after = from[1..].iter().map(|step| bench.without(step, named));
+    before.iter().cloned().map(Some).chain(after).collect()
 }
 
 /// What may stand in the place of the effect `named` of `last`, on top of the plant `without` it.
@@ -94,4 +126,53 @@ fn rivals(
         "alternatives of a named effect",
         watch,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use core::ops::ControlFlow;
+
+    use plant_sim::PlantParameters;
+    use plant_sim::effects::{Effect, EffectSetting, by_id};
+
+    use super::*;
+    use crate::bench;
+    use crate::diagnosis::fit::split::Split;
+    use crate::diagnosis::search::best_form;
+
+    /// Defect seen: where the first effect proved unnecessary beside the later ones, the whole chain was given up.
+    #[test]
+    fn an_effect_that_proves_unnecessary_is_left_out() {
+        let of_rig = [
+            EffectSetting::typical(by_id("chamber_leak").unwrap()).with("area_m2", 3e-8),
+            EffectSetting::typical(by_id("flyback_clamp").unwrap()),
+        ];
+        let [leak, clamp] = of_rig.clone().map(|effect| effect.id());
+        let plant = PlantParameters::nominal();
+        let rig = bench::Bench {
+            plant: of_rig
+                .into_iter()
+                .fold(plant.clone(), |rig, effect| rig.with_effect(effect)),
+            ..bench::Bench::default()
+        };
+        let (split, plain) = Split::that_shows(&plant, &[rig.measure()], &[]).unwrap();
+        let unnecessary = "iron_saturation";
+        let library: Vec<&'static dyn Effect> = [leak, clamp, unnecessary]
+            .into_iter()
+            .filter_map(by_id)
+            .collect();
+        let bench = split.bench(&plant, &library);
+        let on = |base: &Trial, id: &str| {
+            best_form(&bench, base, plant.forms_of(by_id(id).unwrap())).unwrap()
+        };
+        let first = on(&plain, unnecessary);
+        let second = on(&first, leak);
+        let watch = |_| ControlFlow::Continue(());
+        let chain = longer_chain(&bench, &plain, vec![first, second], &watch).unwrap();
+        let chain = chain.expect("leak and clamp explain what is missing");
+        let named: Vec<_> = chain.steps.iter().map(Trial::named).collect();
+        assert_eq!(named, [leak, clamp]);
+        assert!(!chain.steps[1].is_material());
+        assert_eq!(chain.rivals.len(), 2);
+    }
 }

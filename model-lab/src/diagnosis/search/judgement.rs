@@ -66,7 +66,7 @@ impl Trial {
     }
 
     /// Whether the logs determine how strong its effects on top of `plain` are, or it explains so much that only its rest keeps them open.
-    fn is_credible(&self, bench: &Bench, plain: &Self) -> bool {
+    pub(super) fn is_credible(&self, bench: &Bench, plain: &Self) -> bool {
         let is_sound = self.is_sound(bench, plain);
         let explains_most = || self.share_of(plain) >= FOUND_SHARE;
         is_sound || explains_most() && self.is_sound_but_for_the_rest(bench, plain)

@@ -138,7 +138,7 @@ fn pair_on(
     let Some(last) = best_step(bench, plain, (&first, &tried)) else {
         return Ok(None);
     };
-    let second = last.effects.last().expect("one was added").id();
+    let second = last.named();
     let other = singles.iter().find(|tried| tried.id() == second);
     let Some(other) = other.map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
     else {
@@ -147,7 +147,7 @@ fn pair_on(
     if !last.is_further_than(&first) || !last.is_further_than(&other) {
         return Ok(None);
     }
-    let named = first.effects.last().expect("one was added").id();
+    let named = first.named();
     for (left_out, before) in [(named, &other), (second, &first)] {
         let alone = bench.without(&last, left_out).filter(|alone| {
             let is_clearly_less = alone.total_square() < CLEARLY_LESS * before.total_square();
