@@ -16,13 +16,15 @@ use super::trial::{Bench, Trial};
 use crate::conditions::{Conditions, LogConditions};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::errors::Errors;
 use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::result::{Cost, FoundClock, FoundStart};
 use crate::diagnosis::verdict::CLEARLY_LESS;
 use crate::result::{Horizon, LogDefects, NotCompared, Warning};
 
-/// Number of blocks of a log, of which every third is held out.
+/// Number of blocks of a log, of which every third is held out: the last of each three, unless others show more.
 const BLOCKS: usize = 12;
+const LAST_OF_THREE: usize = 2;
 /// Shift of the end of a log (s) from which on the drift of another log is tried.
 const OTHER_DRIFT_S: f64 = 0.3e-3;
 
@@ -40,9 +42,9 @@ enum HeldOut {
     CheckLogs,
     /// Every third block of the training logs, because there are no others.
     Blocks,
-    /// The other blocks.
+    /// The same, of blocks that show less of the error than those for training.
     OtherBlocks,
-    /// Every third block of all logs.
+    /// Every third block of all logs, of blocks that show less of the error than those for training.
     BlocksOfAll,
 }
 
@@ -55,7 +57,14 @@ impl Split {
     ) -> Result<Self, DiagnoseError> {
         refuse_repeated(logs, check)?;
         if check.is_empty() {
-            return Self::blocks(plant, logs, HeldOut::Blocks);
+            let mut fitting = gather(plant, logs)?;
+            let mut checking = gather(plant, logs)?;
+            hold_out(&mut fitting, &mut checking, LAST_OF_THREE);
+            return Ok(Self {
+                fitting,
+                checking,
+                held_out: HeldOut::Blocks,
+            });
         }
         let mut fitting = gather(plant, logs.iter().chain(check))?;
         let checking = Evidence::of(fitting.logs.split_off(logs.len()));
@@ -85,15 +94,9 @@ impl Split {
         if plain.fitted.is_material() || !plain.checked.is_material() {
             return Ok((given, plain));
         }
-        if check.is_empty() {
-            let other = given.with_other_blocks();
-            let plain = other.plain(plant)?;
-            return Ok((other, plain));
-        }
-        let mut all = Self::blocks(plant, logs.iter().chain(check), HeldOut::BlocksOfAll)?;
-        all.fit_conditions(plant);
-        let plain = all.plain(plant)?;
-        Ok((all, plain))
+        let showing = given.into_blocks_that_show(&plain);
+        let plain = showing.plain_from(plant, &plain.plant())?;
+        Ok((showing, plain))
     }
 
     /// Returns the horizon of the errors that are fitted and judged.
@@ -104,21 +107,6 @@ impl Split {
     /// Sets the horizon of the errors that are fitted and judged.
     pub(crate) fn judge_in(&mut self, horizon: Horizon) {
         (self.fitting.horizon, self.checking.horizon) = (horizon, horizon);
-    }
-
-    fn blocks<'a>(
-        plant: &PlantParameters,
-        logs: impl IntoIterator<Item = &'a Recording> + Clone,
-        held_out: HeldOut,
-    ) -> Result<Self, DiagnoseError> {
-        let mut fitting = gather(plant, logs.clone())?;
-        let mut checking = gather(plant, logs)?;
-        hold_out(&mut fitting, &mut checking);
-        Ok(Self {
-            fitting,
-            checking,
-            held_out,
-        })
     }
 
     /// Fits the conditions of all logs with an unchanged `plant`.
@@ -159,12 +147,36 @@ impl Split {
         (self.fitting.logs, self.checking.logs) = (fitting, checking);
     }
 
-    /// Swaps the blocks: trains with those for validation, and validates with those for training.
-    fn with_other_blocks(self) -> Self {
+    /// Returns a split of all logs into blocks, under the conditions that suit `plain`. Those blocks are held out that show least of its
+    /// error.
+    fn into_blocks_that_show(mut self, plain: &Trial) -> Self {
+        self.take_conditions(plain);
+        let (mut logs, held_out) = match self.held_out {
+            HeldOut::CheckLogs => (
+                [self.fitting.logs, self.checking.logs].concat(),
+                HeldOut::BlocksOfAll,
+            ),
+            _ => (self.fitting.logs, HeldOut::OtherBlocks),
+        };
+        for log in &mut logs {
+            log.counted.fill(true);
+        }
+        let whole = Evidence::of(logs.clone());
+        let residuals = whole.residuals(&plain.plant(), whole.horizon);
+        let splits = (0..=LAST_OF_THREE).map(|place| {
+            let [mut fitting, mut checking] = [(); 2].map(|()| Evidence::of(logs.clone()));
+            hold_out(&mut fitting, &mut checking, place);
+            let excess = residuals.as_ref().map_or(0.0, |residuals| {
+                Errors::new(&checking, residuals, whole.horizon).total_excess()
+            });
+            (fitting, checking, excess)
+        });
+        let least = splits.min_by(|a, b| a.2.total_cmp(&b.2));
+        let (fitting, checking, _) = least.expect("there are three");
         Self {
-            fitting: self.checking,
-            checking: self.fitting,
-            held_out: HeldOut::OtherBlocks,
+            fitting,
+            checking,
+            held_out,
         }
     }
 
@@ -425,10 +437,10 @@ impl Split {
             HeldOut::CheckLogs => "the logs given for checking, which were not fitted",
             HeldOut::Blocks => "every third of twelve blocks of each log, which was not fitted",
             HeldOut::OtherBlocks => {
-                "two of every three of twelve blocks of each log: only the third shows that something is missing, so it was fitted"
+                "every third of twelve blocks of each log, which was not fitted: those that show least of what is missing"
             }
             HeldOut::BlocksOfAll => {
-                "every third of twelve blocks of each log, those for checking included: fitted to one set of logs alone, the model fails on the other"
+                "every third of twelve blocks of each log, those for checking included, that show least of what is missing: fitted to one set of logs alone, the model fails on the other"
             }
         }
     }
@@ -459,13 +471,14 @@ fn refuse_repeated(logs: &[Recording], check: &[Recording]) -> Result<(), Diagno
     Ok(())
 }
 
-/// Marks the samples of two copies of the same logs: each copy counts the blocks that the other does not.
-fn hold_out(fitting: &mut Evidence, checking: &mut Evidence) {
+/// Marks the samples of two copies of the same logs: each copy counts the blocks that the other does not. Of each three blocks, the one at
+/// `place` is held out.
+fn hold_out(fitting: &mut Evidence, checking: &mut Evidence, place: usize) {
     (fitting.is_rest_of_fitted, checking.is_rest_of_fitted) = (true, true);
     for (kept, out) in fitting.logs.iter_mut().zip(&mut checking.logs) {
         let rows = kept.counted.len();
         for row in 0..rows {
-            let is_out = row * BLOCKS / rows.max(1) % 3 == 2;
+            let is_out = row * BLOCKS / rows.max(1) % 3 == place;
             kept.counted[row] = !is_out;
             out.counted[row] = is_out;
         }
