@@ -22,9 +22,12 @@ use crate::diagnosis::result::{Cost, FoundClock, FoundStart};
 use crate::diagnosis::verdict::CLEARLY_LESS;
 use crate::result::{Horizon, LogDefects, NotCompared, Warning};
 
-/// Number of blocks of a log, of which every third is held out: the last of each three, unless others show more.
+/// Number of blocks of a log, of which every third is held out.
 const BLOCKS: usize = 12;
-const LAST_OF_THREE: usize = 2;
+/// Places of the block that is held out of each three: the usual one, and another one where that shows more. The first block of a log is
+/// fitted, since it shows the gas at the start.
+const USUAL_PLACE: usize = 2;
+const PLACES: [usize; 2] = [USUAL_PLACE, 1];
 /// Shift of the end of a log (s) from which on the drift of another log is tried.
 const OTHER_DRIFT_S: f64 = 0.3e-3;
 
@@ -59,7 +62,7 @@ impl Split {
         if check.is_empty() {
             let mut fitting = gather(plant, logs)?;
             let mut checking = gather(plant, logs)?;
-            hold_out(&mut fitting, &mut checking, LAST_OF_THREE);
+            hold_out(&mut fitting, &mut checking, USUAL_PLACE);
             return Ok(Self {
                 fitting,
                 checking,
@@ -163,7 +166,7 @@ impl Split {
         }
         let whole = Evidence::of(logs.clone());
         let residuals = whole.residuals(&plain.plant(), whole.horizon);
-        let splits = (0..=LAST_OF_THREE).map(|place| {
+        let splits = PLACES.into_iter().map(|place| {
             let [mut fitting, mut checking] = [(); 2].map(|()| Evidence::of(logs.clone()));
             hold_out(&mut fitting, &mut checking, place);
             let excess = residuals.as_ref().map_or(0.0, |residuals| {
@@ -172,7 +175,7 @@ impl Split {
             (fitting, checking, excess)
         });
         let least = splits.min_by(|a, b| a.2.total_cmp(&b.2));
-        let (fitting, checking, _) = least.expect("there are three");
+        let (fitting, checking, _) = least.expect("there are two");
         Self {
             fitting,
             checking,
