@@ -14,6 +14,8 @@ use crate::gaps::Gaps;
 
 /// Factor by which an on/off valve may be slower than its plant file says.
 const SLOWER: f64 = 1.4;
+/// Time from row to row, over the sample time of the ECU, above which commands are given between rows.
+const SLOW_ROWS: f64 = 1.1;
 /// Name of the time from a command to its effect in a plant file.
 pub(crate) const COMMAND_DELAY: &str = "ecu.command_delay_s";
 /// Signal names of the commands, fill and vent.
@@ -32,8 +34,8 @@ pub(crate) struct Commands {
     delay_s: f64,
     /// Least and largest time from a command to its effect (s).
     delay_range_s: (f64, f64),
-    /// Time before the row that shows a command at which it may have been given already (s); 0 where each row shows the commands, since the
-    /// row before then shows that it was not.
+    /// Time before the row that shows a command at which it may have been given already (s); 0 where each row shows the commands and a
+    /// sample of the ECU is no shorter, so that the delay covers it.
     early_s: f64,
     /// Time for which a command may remain in force after the next one took effect (s).
     pub(crate) pwm_period_s: f64,
@@ -92,6 +94,7 @@ impl Commands {
         let inputs = Inputs::of(parameters, log)?;
         let base = inputs.base();
         let start_s = base.start_s();
+        let sample_time_s = parameters.ecu.sample_time_s;
         let mut last = plant_sim::Command::default();
         let mut duty_pct = [
             Vec::with_capacity(inputs.len()),
@@ -132,7 +135,9 @@ impl Commands {
             delay_s: delay_s(parameters),
             delay_range_s: delay_range_s(parameters),
             early_s: match inputs.command_interval_s() {
-                slow_s if slow_s > inputs.interval_s() => slow_s,
+                slow_s if slow_s > inputs.interval_s() || slow_s > SLOW_ROWS * sample_time_s => {
+                    slow_s
+                }
                 _ => 0.0,
             },
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
@@ -240,6 +245,35 @@ mod tests {
         assert_eq!(commands.holds(0.0), [0..22, 33..100]);
         assert_eq!(commands.holds(0.1), [0..22, 43..100]);
         assert_eq!(commands.rows_before_first_action(), 22);
+    }
+
+    /// Defect seen: rows 39 ms apart. The vent valve had opened before the row that shows its command; this row counted in the hold before,
+    /// and the model began again 86 mbar too high after a gap.
+    #[test]
+    fn a_hold_ends_before_the_row_that_shows_a_command_of_a_slow_logger() {
+        let slow = Commands {
+            early_s: 0.01,
+            delay_range_s: (0.004, 0.005),
+            ..commands(&pulse(20..30, 100), &[0.0; 100])
+        };
+        assert_eq!(slow.holds(0.0)[0], 0..20);
+    }
+
+    #[test]
+    fn rows_further_apart_than_samples_show_commands_late() {
+        let early_s = |interval_s: f64| {
+            let log = crate::bench::logged(
+                &PlantParameters::nominal(),
+                Default::default(),
+                interval_s,
+                1,
+            );
+            Commands::new(&PlantParameters::nominal(), &log)
+                .unwrap()
+                .early_s
+        };
+        assert_eq!(early_s(0.01), 0.0);
+        assert!((early_s(0.039) - 0.039).abs() < 1e-9);
     }
 
     #[test]
