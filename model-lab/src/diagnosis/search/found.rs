@@ -81,8 +81,9 @@ pub(crate) fn find_in_free_run(
     Ok(None)
 }
 
-/// Finds what the plant lacks besides the effects that `predicted` names one step ahead, in the errors of the free run, where errors add up
-/// with these effects. None, with the former horizon and clocks, where other values or no further effect explain them.
+/// Finds the effect that the plant lacks besides those that `predicted` names one step ahead, in the errors of the free run, where errors
+/// add up with these effects. None, with the former horizon and clocks, where other values or no single effect explain them: several would
+/// make up for a wrong one among those that are named.
 pub(crate) fn find_further_in_free_run(
     split: &mut Split,
     plant: &PlantParameters,
@@ -103,8 +104,8 @@ pub(crate) fn find_further_in_free_run(
         // As in a search for the first effect, which begins where the errors are predicted.
         base.correlation_samples = named.correlation_samples;
         let singles = selection::singles(&bench, &base, watch)?;
-        let further = selection::forward_selection(&bench, named, singles, watch)?;
-        if further.verdict() == Verdict::Found {
+        let further = selection::of_sound_effect(&bench, named, singles);
+        if let Some(further) = further {
             return Ok(Some(predicted.clone().with_further(&bench, further)));
         }
     }

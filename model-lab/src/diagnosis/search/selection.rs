@@ -62,6 +62,22 @@ pub(crate) fn of_one_effect(
     Ok(found)
 }
 
+/// Selects the effect among `singles` that leaves little of what `plain` lacks, with a size that the logs determine; none where no effect
+/// does.
+pub(crate) fn of_sound_effect(
+    bench: &Bench,
+    plain: Trial,
+    singles: Vec<Tried>,
+) -> Option<Selection> {
+    let single = best_credible(bench, &plain, &singles).filter(|single| {
+        single.leaves_little() && single.is_evident_over(&plain) && single.is_sound(bench, &plain)
+    })?;
+    let mut found = Selection::new(plain, singles);
+    found.rivals = vec![found.singles.clone()];
+    found.steps.push(single);
+    Some(found)
+}
+
 /// Selects effects by forward selection, from `plain` and every effect alone. It ends where no material error remains, or where no effect
 /// explains the remaining one.
 pub(crate) fn forward_selection(
