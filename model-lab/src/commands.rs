@@ -34,8 +34,8 @@ pub(crate) struct Commands {
     delay_s: f64,
     /// Least and largest time from a command to its effect (s).
     delay_range_s: (f64, f64),
-    /// Time before the row that shows a command at which it may have been given already (s); 0 where each row shows the commands and a
-    /// sample of the ECU is no shorter, so that the delay covers it.
+    /// Time before the row that shows a command at which it may have been given already (s). 0 where each row shows the commands and rows
+    /// are no further apart than samples of the ECU: no command acts before the row that shows it.
     early_s: f64,
     /// Time for which a command may remain in force after the next one took effect (s).
     pub(crate) pwm_period_s: f64,
