@@ -13,7 +13,7 @@ use super::evidence::predictor;
 use super::fit::split::Split;
 use super::fit::trial::Trial;
 use super::remaining;
-use super::result::{DIAGNOSIS_SCHEMA, Diagnosis, FittedConditions, Location, Verdict};
+use super::result::{DIAGNOSIS_SCHEMA, Diagnosis, FittedConditions, Location};
 use super::search::found::{self, Extent};
 use super::search::{self, Watch, assemble, selection};
 
@@ -89,21 +89,15 @@ impl<'a> Refitted<'a> {
             Extent::All => found::find(&mut split, &plant, &library, plain, watch)?,
             Extent::One => selection::of_one_effect(&split.bench(&plant, &library), plain, watch)?,
         };
-        let is_final = extent == Extent::All;
         let mut adds_up = found.adds_up(&split.bench(&plant, &library));
-        if adds_up {
-            let names_nothing = found.verdict() == Verdict::Adequate;
-            let free = match names_nothing {
-                true => found::find_in_free_run(&mut split, &plant, &library, &found, watch)?,
-                false if is_final => {
-                    found::find_further_in_free_run(&mut split, &plant, &library, &found, watch)?
-                }
-                false => None,
-            };
-            adds_up = names_nothing && free.is_none();
-            found = free.unwrap_or(found);
+        if adds_up
+            && let Some(free) =
+                found::find_in_free_run(&mut split, &plant, &library, &found, watch)?
+        {
+            (found, adds_up) = (free, false);
         }
         let bench = split.bench(&plant, &library);
+        let is_final = extent == Extent::All;
         if is_final {
             found = found.with_glance(&bench, watch)?;
             search::report(watch, "the final fit", 0.0)?;

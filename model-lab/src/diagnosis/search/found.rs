@@ -81,39 +81,6 @@ pub(crate) fn find_in_free_run(
     Ok(None)
 }
 
-/// Finds the effect that the plant lacks besides those that `predicted` names one step ahead, in the errors of the free run, where errors
-/// add up with these effects. None, with the former horizon and clocks, where other values or no single effect explain them: several would
-/// make up for a wrong one among those that are named.
-pub(crate) fn find_further_in_free_run(
-    split: &mut Split,
-    plant: &PlantParameters,
-    library: &[&'static dyn Effect],
-    predicted: &Selection,
-    watch: Watch,
-) -> Result<Option<Selection>, DiagnoseError> {
-    let before = split.logs();
-    split.take_conditions(predicted.last());
-    split.judge_in(Horizon::FreeRun);
-    report(watch, "the named effects in free run", 0.0)?;
-    let bench = split.bench(plant, library);
-    let base = bench.at_the_place_of(predicted.last());
-    let mut base = base.ok_or_else(|| split.not_simulated())?;
-    let named = base.clone().continued(&bench);
-    let named = named.ok_or_else(|| split.not_simulated())?;
-    if !named.leaves_little() {
-        // As in a search for the first effect, which begins where the errors are predicted.
-        base.correlation_samples = named.correlation_samples;
-        let singles = selection::singles(&bench, &base, watch)?;
-        let further = selection::of_sound_effect(&bench, named, singles);
-        if let Some(further) = further {
-            return Ok(Some(predicted.clone().with_further(&bench, further)));
-        }
-    }
-    split.judge_in(Horizon::OneStepAhead);
-    split.restore(before);
-    Ok(None)
-}
-
 /// Finds what `plain` lacks, with fits of effects that begin at `base`.
 fn find_on(
     split: &mut Split,

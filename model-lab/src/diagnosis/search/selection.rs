@@ -1,7 +1,5 @@
 //! From the plain model to the named effects.
 
-use rayon::prelude::*;
-
 use super::chain::chain_from;
 use super::judgement::best_credible;
 use super::pair::{Beside, best_pair, promising};
@@ -12,7 +10,6 @@ use crate::diagnosis::result::Verdict;
 use crate::diagnosis::verdict::{FOUND_SHARE, FURTHER_DROP, FURTHER_EVIDENCE, NAMED_EVIDENCE};
 
 /// What was found.
-#[derive(Clone)]
 pub(crate) struct Selection {
     /// The plain plant first, then one trial per named effect.
     pub(crate) steps: Vec<Trial>,
@@ -60,22 +57,6 @@ pub(crate) fn of_one_effect(
         found.steps.push(single);
     }
     Ok(found)
-}
-
-/// Selects the effect among `singles` that leaves little of what `plain` lacks, with a size that the logs determine; none where no effect
-/// does.
-pub(crate) fn of_sound_effect(
-    bench: &Bench,
-    plain: Trial,
-    singles: Vec<Tried>,
-) -> Option<Selection> {
-    let single = best_credible(bench, &plain, &singles).filter(|single| {
-        single.leaves_little() && single.is_evident_over(&plain) && single.is_sound(bench, &plain)
-    })?;
-    let mut found = Selection::new(plain, singles);
-    found.rivals = vec![found.singles.clone()];
-    found.steps.push(single);
-    Some(found)
 }
 
 /// Selects effects by forward selection, from `plain` and every effect alone. It ends where no material error remains, or where no effect
@@ -221,33 +202,9 @@ impl Selection {
         self.within.as_ref().unwrap_or(&self.steps[0])
     }
 
-    /// Whether nothing is missing one step ahead, or the named effects explain what is, and errors add up in free run.
+    /// Whether nothing is missing one step ahead, and errors add up in free run.
     pub(crate) fn adds_up(&self, bench: &Bench) -> bool {
-        matches!(self.verdict(), Verdict::Adequate | Verdict::Found) && bench.adds_up(self.last())
-    }
-
-    /// Returns the selection with the effects of `further`, which was made on top of it in free run; all other trials are judged there as
-    /// well.
-    pub(crate) fn with_further(self, bench: &Bench, further: Self) -> Self {
-        let judged = |trial: Trial| bench.at_the_place_of(&trial).unwrap_or(trial);
-        let judged_all = |tried: Vec<Tried>| {
-            let tried = tried.into_par_iter().map(|tried| Tried {
-                trial: tried.trial.map(judged),
-                ..tried
-            });
-            tried.collect()
-        };
-        let steps = self.steps.into_iter().map(judged);
-        Self {
-            steps: steps.chain(further.steps.into_iter().skip(1)).collect(),
-            within: self.within.map(judged),
-            alternative: self.alternative.map(judged),
-            rival: self.rival.map(judged),
-            singles: judged_all(self.singles),
-            rivals: (self.rivals.into_iter().map(judged_all))
-                .chain(further.rivals)
-                .collect(),
-        }
+        self.verdict() == Verdict::Adequate && bench.adds_up(self.last())
     }
 
     /// Returns the selection, made with wider ranges than those of `within`, which keeps to the tolerances of the plant file. The effect of
