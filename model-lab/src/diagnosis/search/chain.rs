@@ -140,7 +140,7 @@ mod tests {
     use crate::diagnosis::fit::split::Split;
     use crate::diagnosis::search::best_form;
 
-    /// Defect seen: where the first effect proved unnecessary beside the later ones, the whole chain was given up.
+    /// Defect seen: where the first effect proved unnecessary beside the later ones, no effect of the chain was named.
     #[test]
     fn an_effect_that_proves_unnecessary_is_left_out() {
         let of_rig = [
