@@ -167,7 +167,8 @@ impl Split {
         let whole = Evidence::of(logs.clone());
         let residuals = whole.residuals(&plain.plant(), whole.horizon);
         let splits = PLACES.into_iter().map(|place| {
-            let [mut fitting, mut checking] = [(); 2].map(|()| Evidence::of(logs.clone()));
+            let mut fitting = Evidence::of(logs.clone());
+            let mut checking = Evidence::of(logs.clone());
             hold_out(&mut fitting, &mut checking, place);
             let excess = residuals.as_ref().map_or(0.0, |residuals| {
                 Errors::new(&checking, residuals, whole.horizon).total_excess()

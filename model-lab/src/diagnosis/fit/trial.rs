@@ -339,7 +339,7 @@ impl Trial {
     }
 
     /// Returns the effect that was added last.
-    pub(crate) fn named(&self) -> &'static str {
+    pub(crate) fn added(&self) -> &'static str {
         self.effects.last().expect("one was added").id()
     }
 

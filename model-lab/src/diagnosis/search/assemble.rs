@@ -163,7 +163,7 @@ pub(crate) fn equivalents(
     let mut equivalents = BTreeMap::new();
     let mut distances = BTreeMap::new();
     for (step, rivals) in found.steps[1..].iter().zip(&found.rivals) {
-        let named = step.named();
+        let named = step.added();
         // Without the named effect, at least the excess of the next best effect remains.
         let without = rivals
             .iter()

@@ -28,7 +28,7 @@ pub(super) fn chain_from(
             return Ok(longer);
         }
     }
-    let first = pair.first.named();
+    let first = pair.first.added();
     let rivals = rivals(bench, (first, &pair.last), &pair.other, watch)?;
     Ok(Some(Chain {
         rivals: vec![rivals, pair.tried],
@@ -36,15 +36,51 @@ pub(super) fn chain_from(
     }))
 }
 
-/// Adds effects to those of `steps`, the best at each step, as long as they leave something material and another one takes most of it, and
-/// leaves out those that prove unnecessary beside the others; none where no effect is added, or where they explain too little of what
-/// `plain` lacks.
+/// Adds effects to those of `steps`, and leaves out those that prove unnecessary beside the others; none where no effect is added, or where
+/// they explain too little of what `plain` lacks.
 fn longer_chain(
     bench: &Bench,
     plain: &Trial,
     mut steps: Vec<Trial>,
     watch: Watch,
 ) -> Result<Option<Chain>, DiagnoseError> {
+    let mut added = extend(bench, plain, &mut steps, watch)?;
+    if added.is_none() || !last_of(&steps).explains(plain) {
+        return Ok(None);
+    }
+    let withouts = loop {
+        // The effect that was added last is needed beside the others.
+        let asked = &steps[..steps.len() - usize::from(added.is_some())];
+        match without_each(bench, last_of(&steps), asked) {
+            Ok(withouts) => break withouts,
+            Err(unnecessary) => {
+                let Some(fewer) = left_out(bench, &steps, unnecessary) else {
+                    return Ok(None);
+                };
+                (steps, added) = (fewer, None);
+            }
+        }
+    };
+    let last = last_of(&steps);
+    if steps.len() < 2 || !last.explains(plain) || !last.is_credible(bench, plain) {
+        return Ok(None);
+    }
+    let of_steps = steps.iter().zip(&withouts);
+    let rivals =
+        of_steps.map(|(step, without)| rivals(bench, (step.added(), last), without, watch));
+    let mut rivals = rivals.collect::<Result<Vec<_>, _>>()?;
+    rivals.extend(added);
+    Ok(Some(Chain { steps, rivals }))
+}
+
+/// Adds the best effect to `steps` as long as these leave something material and the effect takes most of it. Returns every effect that was
+/// tried in the place of the last one; none where no effect was added or the plant cannot be simulated.
+fn extend(
+    bench: &Bench,
+    plain: &Trial,
+    steps: &mut Vec<Trial>,
+    watch: Watch,
+) -> Result<Option<Vec<Tried>>, DiagnoseError> {
     let mut added = None;
     while let Some(last) = steps.last_mut().filter(|last| last.is_material()) {
         if last.refresh(bench).is_none() {
@@ -60,39 +96,18 @@ fn longer_chain(
         steps.push(next);
         added = Some(tried);
     }
-    if added.is_none() || !steps[steps.len() - 1].explains(plain) {
-        return Ok(None);
-    }
-    let withouts = loop {
-        // The effect that was added last is needed beside the others.
-        let asked = &steps[..steps.len() - usize::from(added.is_some())];
-        match without_each(bench, &steps[steps.len() - 1], asked) {
-            Ok(withouts) => break withouts,
-            Err(unnecessary) => {
-                let Some(fewer) = left_out(bench, &steps, unnecessary) else {
-                    return Ok(None);
-                };
-                (steps, added) = (fewer, None);
-            }
-        }
-    };
-    let last = &steps[steps.len() - 1];
-    if steps.len() < 2 || !last.explains(plain) || !last.is_credible(bench, plain) {
-        return Ok(None);
-    }
-    let of_steps = steps.iter().zip(&withouts);
-    let rivals =
-        of_steps.map(|(step, without)| rivals(bench, (step.named(), last), without, watch));
-    let mut rivals = rivals.collect::<Result<Vec<_>, _>>()?;
-    rivals.extend(added);
-    Ok(Some(Chain { steps, rivals }))
+    Ok(added)
+}
+
+fn last_of(steps: &[Trial]) -> &Trial {
+    steps.last().expect("a pair was there")
 }
 
 /// Returns `last` without the effect of each of `steps`; the place of the first one that is not needed beside the others as an error.
 fn without_each(bench: &Bench, last: &Trial, steps: &[Trial]) -> Result<Vec<Trial>, usize> {
     let steps = steps.iter().enumerate();
     let withouts = steps.map(|(place, step)| {
-        let without = bench.without(last, step.named());
+        let without = bench.without(last, step.added());
         without
             .filter(|without| last.is_further_than(without))
             .ok_or(place)
@@ -103,12 +118,12 @@ fn without_each(bench: &Bench, last: &Trial, steps: &[Trial]) -> Result<Vec<Tria
 /// Returns the steps without the effect of the one at `place`; none where one of them cannot be simulated.
 fn left_out(bench: &Bench, steps: &[Trial], place: usize) -> Option<Vec<Trial>> {
     let (before, from) = steps.split_at(place);
-    let named = from[0].named();
+    let named = from[0].added();
     let after = from[1..].iter().map(|step| bench.without(step, named));
     before.iter().cloned().map(Some).chain(after).collect()
 }
 
-/// What may stand in the place of the effect `named` of `last`, on top of the plant `without` it.
+/// Tries every other effect in the place of `named`: each on top of `without`, which is `last` without that effect.
 fn rivals(
     bench: &Bench,
     (named, last): (&'static str, &Trial),
@@ -170,7 +185,7 @@ mod tests {
         let watch = |_| ControlFlow::Continue(());
         let chain = longer_chain(&bench, &plain, vec![first, second], &watch).unwrap();
         let chain = chain.expect("leak and clamp explain what is missing");
-        let named: Vec<_> = chain.steps.iter().map(Trial::named).collect();
+        let named: Vec<_> = chain.steps.iter().map(Trial::added).collect();
         assert_eq!(named, [leak, clamp]);
         assert!(!chain.steps[1].is_material());
         assert_eq!(chain.rivals.len(), 2);

@@ -138,7 +138,7 @@ fn pair_on(
     let Some(last) = best_step(bench, plain, (&first, &tried)) else {
         return Ok(None);
     };
-    let second = last.named();
+    let second = last.added();
     let other = singles.iter().find(|tried| tried.id() == second);
     let Some(other) = other.map(|tried| tried.trial.clone().unwrap_or_else(|| plain.clone()))
     else {
@@ -147,7 +147,7 @@ fn pair_on(
     if !last.is_further_than(&first) || !last.is_further_than(&other) {
         return Ok(None);
     }
-    let named = first.named();
+    let named = first.added();
     for (left_out, before) in [(named, &other), (second, &first)] {
         let alone = bench.without(&last, left_out).filter(|alone| {
             let is_clearly_less = alone.total_square() < CLEARLY_LESS * before.total_square();

@@ -255,6 +255,7 @@ fn usual_drifts_ppm(duration_s: f64) -> impl Iterator<Item = f64> {
 mod tests {
     use plant_sim::effects::{EffectSetting, by_id};
     use plant_sim::parameters::Knowledge;
+    use recording::Recording;
 
     use super::*;
     use crate::bench::logged_through;
@@ -269,6 +270,17 @@ mod tests {
         (0.43, 0.0, 0.0),
     ];
 
+    const CLOCK: LoggerClock = LoggerClock {
+        phase_s: 9.5e-3,
+        drift_ppm: -120.0,
+    };
+
+    /// Returns a log of the nominal plant whose commands determine its `CLOCK`.
+    fn determining_log() -> Recording {
+        let plant = PlantParameters::nominal();
+        logged_through(&plant, (CLOCK, 6.9e-3), 1, &PULSES.repeat(30))
+    }
+
     /// Returns the difference of two phases (s) to the nearest whole sample of the ECU.
     fn within_sample_s(log: &Log, off_s: f64) -> f64 {
         off_s - (off_s / log.sample_time_s).round() * log.sample_time_s
@@ -279,11 +291,7 @@ mod tests {
     #[test]
     fn a_phase_is_known_as_well_as_the_commands_determine_it() {
         let plant = PlantParameters::nominal();
-        let clock = LoggerClock {
-            phase_s: 9.5e-3,
-            drift_ppm: -120.0,
-        };
-        let log = logged_through(&plant, (clock, 6.9e-3), 1, &PULSES.repeat(30));
+        let log = determining_log();
         let evidence = gather(&plant, [&log]).unwrap();
         let log = &evidence.logs[0];
         let KnownClock::Ends(ends) = log.known_clock else {
@@ -296,7 +304,7 @@ mod tests {
             reach_s,
         } in ends
         {
-            let off_s = within_sample_s(log, value_s - clock.phase_at_s(at_s));
+            let off_s = within_sample_s(log, value_s - CLOCK.phase_at_s(at_s));
             assert!(sd_s < 0.5e-3 && reach_s < 1.6e-3, "{sd_s} {reach_s}");
             assert!(off_s.abs() < reach_s, "{off_s} {sd_s}");
         }
@@ -307,11 +315,7 @@ mod tests {
     #[test]
     fn a_clock_compensates_for_a_delay_that_the_fitted_logs_leave_open() {
         let rig = PlantParameters::nominal();
-        let clock = LoggerClock {
-            phase_s: 9.5e-3,
-            drift_ppm: -120.0,
-        };
-        let log = logged_through(&rig, (clock, 6.9e-3), 1, &PULSES.repeat(30));
+        let log = determining_log();
         let evidence = gather(&rig, [&log]).unwrap();
         let log = &evidence.logs[0];
         let KnownClock::Ends([known, _]) = log.known_clock else {
@@ -327,7 +331,7 @@ mod tests {
             let at_s = log.middle_s();
             within_sample_s(
                 log,
-                found.phase_at_s(at_s) - clock.phase_at_s(at_s) - later_s,
+                found.phase_at_s(at_s) - CLOCK.phase_at_s(at_s) - later_s,
             )
         };
         assert!(off_s(0.0).abs() > 0.5e-3, "{}", off_s(0.0));
@@ -337,11 +341,7 @@ mod tests {
     #[test]
     fn the_clocks_leave_a_fitted_delay_open_as_far_as_their_own_range() {
         let plant = PlantParameters::nominal();
-        let clock = LoggerClock {
-            phase_s: 9.5e-3,
-            drift_ppm: -120.0,
-        };
-        let log = logged_through(&plant, (clock, 6.9e-3), 1, &PULSES.repeat(30));
+        let log = determining_log();
         let slack_s = |plant: &PlantParameters| {
             let evidence = gather(plant, [&log]).unwrap();
             Unknowns::new(plant, &[], &evidence.logs).delay_slack_s()
