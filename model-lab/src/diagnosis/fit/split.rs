@@ -441,10 +441,10 @@ impl Split {
             HeldOut::CheckLogs => "the logs given for checking, which were not fitted",
             HeldOut::Blocks => "every third of twelve blocks of each log, which was not fitted",
             HeldOut::OtherBlocks => {
-                "every third of twelve blocks of each log, which was not fitted: those that show least of what is missing"
+                "every third of twelve blocks of each log, which was not fitted; these blocks show less of the error than the fitted ones"
             }
             HeldOut::BlocksOfAll => {
-                "every third of twelve blocks of each log, those for checking included, that show least of what is missing: fitted to one set of logs alone, the model fails on the other"
+                "every third of twelve blocks of each log, check logs included, because a model fitted to one set of logs fails on the other; these blocks show less of the error than the fitted ones"
             }
         }
     }
