@@ -107,7 +107,7 @@ fn what_only_the_check_log_shows_is_fitted_with_the_others() {
     assert_eq!(diagnosis.verdict, Verdict::Found, "{}", diagnosis.sentence);
     assert_eq!(diagnosis.effects, ["chamber_leak"]);
     assert!(
-        diagnosis.held_out.contains("those for checking included"),
+        diagnosis.held_out.contains("check logs included"),
         "{}",
         diagnosis.held_out
     );
@@ -149,7 +149,7 @@ fn what_each_log_leaves_open_is_fitted_to_both() {
     );
     assert_eq!((diagnosis.logs.len(), diagnosis.check.len()), (2, 0));
     assert!(
-        diagnosis.held_out.contains("those for checking included"),
+        diagnosis.held_out.contains("check logs included"),
         "{}",
         diagnosis.held_out
     );
