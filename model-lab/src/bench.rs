@@ -32,6 +32,28 @@ pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Rec
     paused
 }
 
+/// Returns `log` with the height of each spike added to the samples of `signal` in its rows.
+pub(crate) fn spiked(
+    log: &Recording,
+    signal: &str,
+    spikes: &[(std::ops::Range<usize>, f64)],
+) -> Recording {
+    let mut other = Recording::new(log.provenance().clone());
+    let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
+    for one in log.signals() {
+        let mut values = one.values_or_nan().to_vec();
+        for (rows, height) in spikes.iter().filter(|_| one.name() == signal) {
+            values[rows.clone()]
+                .iter_mut()
+                .for_each(|value| *value += height);
+        }
+        other
+            .add_signal(one.name(), one.unit(), id, values)
+            .unwrap();
+    }
+    other
+}
+
 /// Returns the log without its currents.
 pub(crate) fn pressure_alone(log: &Recording) -> Recording {
     let mut other = Recording::new(log.provenance().clone());

@@ -171,6 +171,11 @@ impl Commands {
         self.segments_without(acts, settle_s)
     }
 
+    /// Returns the intervals of samples in which `valve` is shut, from `settle_s` after its last command acted.
+    pub(crate) fn shut(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
+        self.segments_without(|row| self.opens(valve, row), settle_s)
+    }
+
     /// Returns the intervals of samples in which the coil of `valve` carries no current, from `settle_s` after its last command acted.
     pub(crate) fn dead_coil(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
         self.segments_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)

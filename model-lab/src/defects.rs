@@ -6,8 +6,8 @@ use plant_sim::parameters::PA_PER_BAR;
 use recording::{Pause, Recording};
 
 use crate::commands::Commands;
-use crate::measured::{Measured, Restart};
-use crate::result::{LogDefects, LogGap, MissingCells};
+use crate::measured::{Measured, PRESSURE, Restart};
+use crate::result::{LogDefects, LogGap, LogSpike, MissingCells};
 
 /// Number of gaps that get a sentence each.
 const LISTED_MAX: usize = 5;
@@ -18,9 +18,10 @@ impl LogDefects {
         self.sentences.is_empty()
     }
 
-    /// Returns the defects of `log`, whose chamber pressure is `pressure`.
-    pub(crate) fn of(log: &Recording, commands: &Commands, pressure: Option<&Measured>) -> Self {
+    /// Returns the defects of `log`, whose signals are `measured`.
+    pub(crate) fn of(log: &Recording, commands: &Commands, measured: &[Measured]) -> Self {
         let defects = log.defects();
+        let pressure = measured.iter().find(|signal| signal.name == PRESSURE);
         let restart_bar = |rows: &Range<usize>| {
             let restarts = pressure.map_or(&[][..], |pressure| &pressure.restarts);
             let restart = Restart::last_in(restarts, rows)?;
@@ -58,7 +59,16 @@ impl LogDefects {
                 "{below_vacuum} samples of p_ch are below vacuum at the ambient pressure of the plant file: they count as missing"
             ));
         }
+        let spikes: Vec<LogSpike> = measured
+            .iter()
+            .flat_map(|signal| LogSpike::of(signal, commands))
+            .collect();
+        for signal in measured.iter().filter(|signal| !signal.spikes.is_empty()) {
+            let of_signal = spikes.iter().filter(|spike| spike.signal == signal.name);
+            sentences.push(LogSpike::sentence(&of_signal.collect::<Vec<_>>()));
+        }
         Self {
+            spikes,
             missing: defects
                 .missing
                 .iter()
@@ -74,6 +84,41 @@ impl LogDefects {
             gaps,
             sentences,
         }
+    }
+}
+
+impl LogSpike {
+    fn of(signal: &Measured, commands: &Commands) -> impl Iterator<Item = Self> {
+        signal.spikes.iter().map(|spike| Self {
+            signal: signal.name.to_owned(),
+            unit: signal.error_unit.symbol().to_owned(),
+            time_s: commands.times_s[spike.row],
+            height: spike.height,
+        })
+    }
+
+    /// Returns the sentence about all spikes of one signal.
+    fn sentence(spikes: &[&Self]) -> String {
+        let mut listed: Vec<String> = spikes
+            .iter()
+            .take(LISTED_MAX)
+            .map(|spike| {
+                format!(
+                    "{:+.3} {} at {:.3} s",
+                    spike.height, spike.unit, spike.time_s
+                )
+            })
+            .collect();
+        if spikes.len() > LISTED_MAX {
+            listed.push(format!("{} more", spikes.len() - LISTED_MAX));
+        }
+        let what = match spikes.len() {
+            1 => "a reading that stands out alone, as with a disturbance of the sensor, counts as missing".to_owned(),
+            count => format!(
+                "{count} readings that stand out alone, as with disturbances of the sensor, count as missing"
+            ),
+        };
+        format!("{}: {what}: {}", spikes[0].signal, listed.join(", "))
     }
 }
 

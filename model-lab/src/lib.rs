@@ -23,6 +23,7 @@ mod regime;
 pub mod result;
 mod run;
 mod simulation_start;
+mod spikes;
 mod summary;
 pub mod thesis;
 mod warning;

@@ -15,6 +15,7 @@ use crate::gaps::Gap;
 use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
+use crate::spikes::{Spike, Usual, take_out_spikes};
 
 /// Measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
@@ -67,6 +68,8 @@ pub(crate) struct Measured {
     pub(crate) ambient: f64,
     /// Number of samples below vacuum at the ambient pressure of the plant: they count as missing.
     pub(crate) below_vacuum: usize,
+    /// Samples that stand out alone: they count as missing.
+    pub(crate) spikes: Vec<Spike>,
     /// Rows at which the model restarts after a gap; of the chamber pressure only.
     pub(crate) restarts: Vec<Restart>,
 }
@@ -161,12 +164,16 @@ pub(crate) fn measured_signals(
             continue;
         }
         let error_unit = error_unit(unit);
-        let floor = noise_floor(
-            &values,
-            error_unit.symbol(),
-            Quiet::of_signal(name),
-            commands,
-        );
+        let quiet = Quiet::of_signal(name);
+        let floor = |values: &[f64]| noise_floor(values, error_unit.symbol(), quiet, commands);
+        let with_spikes = floor(&values);
+        let interval_s = interval_s(&commands.times_s, &values);
+        let usual = Usual::of((parameters, commands), (name, interval_s), &with_spikes);
+        let spikes = take_out_spikes(&commands.times_s, &mut values, &usual);
+        let floor = match spikes.is_empty() {
+            true => with_spikes,
+            false => floor(&values),
+        };
         let restarts = shown.map_or_else(Vec::new, |shown| {
             restarts(&shown, commands, floor.sigma, ambient)
         });
@@ -174,12 +181,13 @@ pub(crate) fn measured_signals(
             name,
             unit,
             error_unit,
-            interval_s: interval_s(&commands.times_s, &values),
+            interval_s,
             own: own_base(name, read),
             values: shared(original.signal(name).map(Signal::shared_values), values),
             floor,
             ambient,
             below_vacuum,
+            spikes,
             restarts,
         });
     }

@@ -17,7 +17,7 @@ use crate::metrics::present;
 use crate::result::NoiseFloor;
 
 /// Time after which a valve has closed and a current has decayed once the output is low (s).
-const SETTLE_S: f64 = 0.05;
+pub(crate) const SETTLE_S: f64 = 0.05;
 /// Shortest pressure hold that counts (s).
 const SHORTEST_HOLD_S: f64 = 0.3;
 /// Longest piece (s), so that a straight line follows any drift in it ...
@@ -64,7 +64,8 @@ impl Quiet {
         }
     }
 
-    fn segments(self, commands: &Commands) -> Vec<Range<usize>> {
+    /// Returns the intervals of samples in which this holds.
+    pub(crate) fn segments(self, commands: &Commands) -> Vec<Range<usize>> {
         match self {
             Self::Hold => {
                 let length_s = |hold: &Range<usize>| {

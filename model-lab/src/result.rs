@@ -363,6 +363,9 @@ pub struct LogDefects {
     pub gaps: Vec<LogGap>,
     /// Signals with missing cells; these are excluded from every error.
     pub missing: Vec<MissingCells>,
+    /// Readings that stand out alone; these are excluded from every error.
+    #[serde(default)]
+    pub spikes: Vec<LogSpike>,
     /// The defects in words, one sentence without a full stop for each.
     pub sentences: Vec<String>,
 }
@@ -379,6 +382,20 @@ pub struct LogGap {
     pub samples: usize,
     /// Pressure at which the model restarted after the gap (bar gauge); null where none was measured.
     pub restart_bar_gauge: Option<f64>,
+}
+
+/// Reading that stands out alone from those around it, up to three samples long.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogSpike {
+    /// Name of the signal.
+    pub signal: String,
+    /// Unit of the height.
+    pub unit: String,
+    /// Time since the start of the log (s).
+    pub time_s: f64,
+    /// Height over the samples around it.
+    pub height: f64,
 }
 
 /// Cells of a signal without a value.

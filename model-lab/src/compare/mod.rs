@@ -167,7 +167,7 @@ pub fn compare_under(
         verdict: verdict(&signals, options),
         signals,
         not_compared,
-        defects: LogDefects::of(original, &commands, pressure),
+        defects: LogDefects::of(original, &commands, &measured),
         warnings,
         traces,
     })

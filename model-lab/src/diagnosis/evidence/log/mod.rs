@@ -139,7 +139,7 @@ impl Log {
         let supply_pressure = inputs.iter().find_map(|input| input.supply_pressure);
         let start =
             LogStart::at(parameters, pressure, level, first_command).supplied(supply_pressure);
-        let defects = LogDefects::of(log, &commands, pressure);
+        let defects = LogDefects::of(log, &commands, &measured);
         let sigma = |signal: &Measured| {
             let known = noise.of(signal.name, &signal.floor, signal.interval_s);
             known.unwrap_or_else(|| scatter_or_resolution(signal))
