@@ -141,6 +141,7 @@ pub fn refine(
         rival: None,
         singles: Vec::new(),
         rivals: Vec::new(),
+        nearest: None,
     };
     let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
     let error_steps = assemble::error_steps(&bench, &found);

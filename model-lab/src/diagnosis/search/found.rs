@@ -166,6 +166,12 @@ fn select_from(
     if found.verdict() != Verdict::NotInLibrary {
         return Ok(found);
     }
+    if let Some(nearest) = found.nearest.take()
+        && let Some(again) = selected_by(split, plant, library, (&found, &nearest), watch)?
+    {
+        return Ok(again);
+    }
+    let bench = split.bench(plant, library);
     let plain = &found.steps[0];
     let Some(singles) = finish_begun(&bench, plain, &found.singles, watch)? else {
         return Ok(found);
@@ -175,6 +181,40 @@ fn select_from(
     }
     found.singles = singles;
     Ok(found)
+}
+
+/// Selects effects again where `nearest`, two effects together, shows clocks and commands of the logs that a single one did not. None, with
+/// the former clocks and commands, where these do not change, or where still nothing is named.
+fn selected_by(
+    split: &mut Split,
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
+    (found, nearest): (&Selection, &Trial),
+    watch: Watch,
+) -> Result<Option<Selection>, DiagnoseError> {
+    let before = split.logs();
+    let (plain, singles) = if nearest.fitted.is_material()
+        && let Some(there) = split.assign_by(nearest)
+    {
+        let plain = split.plain_from(plant, &there)?;
+        let singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
+        (plain, singles)
+    } else if split.find_checked_clocks(plant, nearest)? {
+        let bench = split.bench(plant, library);
+        let plain = bench.judged_anew(&found.steps[0]);
+        let mut singles = found.singles.clone();
+        judge_anew(&bench, &mut singles);
+        (plain.ok_or_else(|| split.not_simulated())?, singles)
+    } else {
+        return Ok(None);
+    };
+    let bench = split.bench(plant, library);
+    let again = selection::forward_selection(&bench, plain, singles, watch)?;
+    if again.verdict() == Verdict::NotInLibrary {
+        split.restore(before);
+        return Ok(None);
+    }
+    Ok(Some(again))
 }
 
 /// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that
@@ -251,5 +291,77 @@ fn judge_anew(bench: &Bench, singles: &mut [Tried]) {
             .trial
             .as_ref()
             .and_then(|trial| bench.judged_anew(trial));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::ops::ControlFlow;
+
+    use plant_sim::effects::{EffectSetting, by_id};
+    use plant_sim::logger_clock::LoggerClock;
+
+    use super::*;
+    use crate::bench::{logged_through, pressure_alone};
+    use crate::diagnosis::search::best_form;
+
+    /// Defect seen: at 26 Hz, the commands of the check log had been assigned with a single effect. Two effects left nothing of the fitted
+    /// log and most of the check log, and nothing was named.
+    #[test]
+    fn two_effects_together_show_the_commands_of_a_slow_check_log() {
+        let plant = PlantParameters::nominal();
+        let effects = ["chamber_leak", "sensor_lag"];
+        let effects = effects.map(|id| EffectSetting::typical(by_id(id).unwrap()));
+        let rig = effects
+            .iter()
+            .fold(plant.clone(), |rig, effect| rig.with_effect(effect.clone()));
+        let phases = [
+            (0.5, 0.0, 0.0),
+            (0.15, 60.0, 0.0),
+            (0.5, 0.0, 0.0),
+            (0.2, 45.0, 0.0),
+            (0.7, 0.0, 0.0),
+            (0.35, 0.0, 50.0),
+        ];
+        let [log, check] = [(1, 5e-3), (2, 40e-3)].map(|(seed, interval_s)| {
+            let clock = LoggerClock {
+                phase_s: 3e-3,
+                drift_ppm: 0.0,
+            };
+            pressure_alone(&logged_through(
+                &rig,
+                (clock, interval_s),
+                seed,
+                &phases.repeat(6),
+            ))
+        });
+        let watch = |_| ControlFlow::Continue(());
+        let library: Vec<_> = effects.iter().map(EffectSetting::effect).collect();
+        let (mut split, plain) = Split::that_shows(&plant, &[log], &[check]).unwrap();
+        let bench = split.bench(&plant, &library);
+        let [leak, lag] = effects
+            .each_ref()
+            .map(|effect| bench.plant.forms_of(effect.effect()));
+        let alone = best_form(&bench, &plain, leak).unwrap();
+        let nearest = best_form(&bench, &alone, lag).unwrap();
+        // A sample of the ECU late in every second half second.
+        let late_ns = |ns: &u64| ns + ns / 500_000_000 % 2 * 10_000_000;
+        for log in &mut split.checking.logs {
+            log.set_issued_ns(log.issued_ns().iter().map(late_ns).collect());
+        }
+        let bench = split.bench(&plant, &library);
+        let [plain, nearest] = [plain, nearest].map(|trial| bench.judged_anew(&trial).unwrap());
+        assert!(
+            !nearest.fitted.is_material(),
+            "{:?}",
+            nearest.fitted.excess()
+        );
+        assert!(nearest.checked.is_material());
+        let singles = selection::singles(&bench, &plain, &watch).unwrap();
+        let found = selection::forward_selection(&bench, plain, singles, &watch).unwrap();
+        assert_ne!(found.verdict(), Verdict::Found);
+        let again = selected_by(&mut split, &plant, &library, (&found, &nearest), &watch).unwrap();
+        let named: Vec<_> = again.unwrap().steps[1..].iter().map(Trial::added).collect();
+        assert_eq!(named.len(), 2, "{named:?}");
     }
 }

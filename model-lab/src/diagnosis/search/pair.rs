@@ -33,6 +33,8 @@ pub(super) enum Beside {
     Both(Box<Pair>),
     /// One of them suffices, fitted from the place of the pair: its first fit had ended beside the best one.
     Alone(Box<Tried>),
+    /// The second one takes too little of what the first one leaves.
+    Unclear(Box<Trial>),
 }
 
 /// The effects alone that may be some of those that are missing, the one that explains most first: the best that are sound, and where
@@ -78,7 +80,8 @@ fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) ->
         .or(Some(trial))
 }
 
-/// The best second effect for each of `firsts`, the most promising first, if both are needed; or an effect that suffices alone.
+/// The best second effect for each of `firsts`, the most promising first, if both are needed; or an effect that suffices alone; or the two
+/// effects that leave least.
 pub(super) fn best_pair(
     bench: &Bench,
     plain: &Trial,
@@ -87,6 +90,7 @@ pub(super) fn best_pair(
     watch: Watch,
 ) -> Result<Option<Beside>, DiagnoseError> {
     let mut best: Option<Box<Pair>> = None;
+    let mut nearest: Option<Box<Trial>> = None;
     for first in firsts {
         // The same two in the other order differ by what a fit leaves open.
         let ids: Vec<_> = first.effects.iter().map(|effect| effect.id()).collect();
@@ -99,7 +103,11 @@ pub(super) fn best_pair(
         };
         match pair_on(bench, plain, first.clone(), singles, watch)? {
             Some(Beside::Both(own)) => keep_better(&mut best, own),
-            Some(alone) => return Ok(Some(alone)),
+            Some(alone @ Beside::Alone(_)) => return Ok(Some(alone)),
+            Some(Beside::Unclear(own)) => {
+                let both = nearest.into_iter().chain([own]);
+                nearest = both.min_by(|a, b| a.total_square().total_cmp(&b.total_square()));
+            }
             None => {}
         }
         // Alone, the form of the first is distorted by what the second explains; it may be another one beside it.
@@ -120,10 +128,12 @@ pub(super) fn best_pair(
             break;
         }
     }
-    Ok(best.map(Beside::Both))
+    Ok(best
+        .map(Beside::Both)
+        .or_else(|| nearest.map(Beside::Unclear)))
 }
 
-/// The best second effect beside `first`, if both are needed; or one of them, if it suffices alone.
+/// The best second effect beside `first`, whether both are needed, or one of them, if it suffices alone.
 fn pair_on(
     bench: &Bench,
     plain: &Trial,
@@ -145,7 +155,7 @@ fn pair_on(
         return Ok(None);
     };
     if !last.is_further_than(&first) || !last.is_further_than(&other) {
-        return Ok(None);
+        return Ok(Some(Beside::Unclear(Box::new(last))));
     }
     let named = first.added();
     for (left_out, before) in [(named, &other), (second, &first)] {

@@ -23,6 +23,8 @@ pub(crate) struct Selection {
     pub(crate) singles: Vec<Tried>,
     /// For each named effect, what stands in its place beside the other one.
     pub(crate) rivals: Vec<Vec<Tried>>,
+    /// The best two effects together, where they explain too little to be named.
+    pub(crate) nearest: Option<Trial>,
 }
 
 /// Tries every effect alone on top of `base`, where it leaves a material error.
@@ -80,9 +82,13 @@ pub(crate) fn forward_selection(
         Some(single) if !single.is_material() => vec![single.clone()],
         _ => promising(bench, plain, &found.singles),
     };
-    let pair = match best_pair(bench, plain, firsts, &found.singles, watch)? {
-        None => None,
-        Some(Beside::Both(pair)) => Some(pair),
+    let (pair, nearest) = match best_pair(bench, plain, firsts, &found.singles, watch)? {
+        None => (None, None),
+        Some(Beside::Unclear(nearest)) => (None, Some(*nearest)),
+        Some(Beside::Both(pair)) => {
+            let nearest = pair.last.clone();
+            (Some(pair), Some(nearest))
+        }
         Some(Beside::Alone(alone)) => {
             let same = found
                 .singles
@@ -110,6 +116,8 @@ pub(crate) fn forward_selection(
             if let Some(single) = explains_alone(plain, &found.singles) {
                 found.rivals = vec![found.singles.clone()];
                 found.steps.push(single);
+            } else {
+                found.nearest = nearest;
             }
         }
     }
@@ -185,6 +193,7 @@ impl Selection {
             rival: None,
             singles,
             rivals: Vec::new(),
+            nearest: None,
         }
     }
 
