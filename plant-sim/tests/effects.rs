@@ -255,6 +255,31 @@ fn a_plant_file_keeps_every_effect_to_the_bit() {
     );
 }
 
+/// Defect seen: without a `variant`, a parameter of another than the first one was refused as unknown.
+#[test]
+fn the_parameters_of_an_effect_tell_its_variant() {
+    for (table, expected) in [
+        (
+            "[effects.coil_heating]\nheat_capacity_j_per_k = 25",
+            "adiabatic",
+        ),
+        (
+            "[effects.coil_heating]\ncooling_w_per_k = 0.1\nheat_capacity_j_per_k = 25",
+            "cooled",
+        ),
+        ("[effects.series_restriction]\nvent_area_ratio = 1", "vent"),
+    ] {
+        let text = format!("{NOMINAL_PLANT_TOML}\n{table}\n");
+        let plant = PlantParameters::from_toml(&text, "rig.toml").expect(table);
+        assert_eq!(plant.effects[0].variant().name, expected, "{table}");
+    }
+    let table = "[effects.coil_heating]\ncooling_w_per_k = 0.1";
+    let text = format!("{NOMINAL_PLANT_TOML}\n{table}\n");
+    let error = PlantParameters::from_toml(&text, "rig.toml").expect_err(table);
+    let says = "`heat_capacity_j_per_k` is missing in [effects.coil_heating]";
+    assert!(error.to_string().contains(says), "{error}");
+}
+
 #[test]
 fn refusals_of_effects_name_what_is_meant() {
     for (table, says) in [

@@ -13,7 +13,8 @@ use super::parts::Part;
 use super::table::PARAMETERS;
 use super::units::{converted, in_other_unit};
 use crate::description::{
-    EFFECTS, Effect, EffectSetting, ParameterSpec, PlantParameters, RegulatingValveParameters,
+    About, EFFECTS, Effect, EffectSetting, ParameterSpec, PlantParameters,
+    RegulatingValveParameters, Variant,
 };
 use crate::own_effects::{OWN, OWN_EFFECTS};
 use crate::toml_file::{TomlFile, key_meant, shown};
@@ -243,7 +244,7 @@ impl Reader<'_> {
         let name = format!("{EFFECTS}.{}", about.id);
         let line = self.file.line_of_key(table, VARIANT);
         let variant = match table.get(VARIANT).map(|item| (item, item.as_str())) {
-            None => Some(&about.variants[0]),
+            None => Some(variant_of_keys(about, table)),
             Some((_, Some(word))) => about.variant(word).or_else(|| {
                 self.problems.push(Problem::UnknownVariant {
                     line,
@@ -307,4 +308,18 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// Returns the form of an effect's law that has exactly the parameters in `table`, or all of them and others, or else the usual form.
+fn variant_of_keys(about: &'static About, table: &dyn TableLike) -> &'static Variant {
+    let keys: Vec<&str> = table.iter().map(|(key, _)| key).collect();
+    let has_all = |variant: &&Variant| {
+        let has = |key: &&str| variant.parameters.iter().any(|spec| spec.key == *key);
+        keys.iter().all(has)
+    };
+    let mut fitting = about.variants.iter().filter(has_all);
+    let exact = fitting
+        .clone()
+        .find(|variant| variant.parameters.len() == keys.len());
+    exact.or(fitting.next()).unwrap_or(&about.variants[0])
 }
