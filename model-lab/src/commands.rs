@@ -165,6 +165,11 @@ impl Commands {
         self.duty_pct[valve][row] != self.shut_pct[valve]
     }
 
+    /// Returns whether a row shows each command before it acts.
+    pub(crate) fn are_all_shown(&self) -> bool {
+        self.early_s == 0.0
+    }
+
     /// Returns the intervals of samples in which both valves are shut, from `settle_s` after the last command acted.
     pub(crate) fn holds(&self, settle_s: f64) -> Vec<Range<usize>> {
         let acts = |row: usize| self.opens(FILL, row) || self.opens(VENT, row);

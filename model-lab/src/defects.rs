@@ -7,9 +7,9 @@ use recording::{Pause, Recording};
 
 use crate::commands::Commands;
 use crate::measured::{Measured, PRESSURE, Restart};
-use crate::result::{LogDefects, LogGap, LogSpike, MissingCells};
+use crate::result::{LogDefects, LogGap, LogRepeat, LogSpike, MissingCells};
 
-/// Number of gaps that get a sentence each.
+/// Number of gaps that get a sentence each, and of spikes and repeated readings that are listed.
 const LISTED_MAX: usize = 5;
 
 impl LogDefects {
@@ -67,7 +67,16 @@ impl LogDefects {
             let of_signal = spikes.iter().filter(|spike| spike.signal == signal.name);
             sentences.push(LogSpike::sentence(&of_signal.collect::<Vec<_>>()));
         }
+        let repeats: Vec<LogRepeat> = measured
+            .iter()
+            .flat_map(|signal| LogRepeat::of(signal, commands))
+            .collect();
+        for signal in measured.iter().filter(|signal| !signal.repeats.is_empty()) {
+            let of_signal = repeats.iter().filter(|repeat| repeat.signal == signal.name);
+            sentences.push(LogRepeat::sentence(&of_signal.collect::<Vec<_>>()));
+        }
         Self {
+            repeats,
             spikes,
             missing: defects
                 .missing
@@ -92,34 +101,75 @@ impl LogSpike {
         signal.spikes.iter().map(|spike| Self {
             signal: signal.name.to_owned(),
             unit: signal.error_unit.symbol().to_owned(),
-            time_s: commands.times_s[spike.row],
+            time_s: commands.times_s[spike.rows.start],
+            duration_s: commands.times_s[spike.rows.end - 1] - commands.times_s[spike.rows.start],
             height: spike.height,
         })
     }
 
     /// Returns the sentence about all spikes of one signal.
     fn sentence(spikes: &[&Self]) -> String {
-        let mut listed: Vec<String> = spikes
-            .iter()
-            .take(LISTED_MAX)
-            .map(|spike| {
-                format!(
-                    "{:+.3} {} at {:.3} s",
-                    spike.height, spike.unit, spike.time_s
-                )
-            })
-            .collect();
-        if spikes.len() > LISTED_MAX {
-            listed.push(format!("{} more", spikes.len() - LISTED_MAX));
-        }
-        let what = match spikes.len() {
-            1 => "a reading that stands out alone, as with a disturbance of the sensor, counts as missing".to_owned(),
-            count => format!(
-                "{count} readings that stand out alone, as with disturbances of the sensor, count as missing"
-            ),
+        let of_one = |spike: &&Self| {
+            let height = format!(
+                "{:+.3} {} at {:.3} s",
+                spike.height, spike.unit, spike.time_s
+            );
+            match spike.duration_s {
+                0.0 => height,
+                duration_s => format!("{height} for {duration_s:.3} s"),
+            }
         };
-        format!("{}: {what}: {}", spikes[0].signal, listed.join(", "))
+        let what = match spikes.len() {
+            1 => "once, readings stand".to_owned(),
+            count => format!("{count} times, readings stand"),
+        };
+        format!(
+            "{}: {what} out alone, as with a disturbance of the sensor, and count as missing: {}",
+            spikes[0].signal,
+            listed(spikes, of_one)
+        )
     }
+}
+
+impl LogRepeat {
+    fn of(signal: &Measured, commands: &Commands) -> impl Iterator<Item = Self> {
+        signal.repeats.iter().map(|repeat| {
+            let [first_s, last_s] =
+                [repeat.rows.start, repeat.rows.end - 1].map(|row| commands.times_s[row]);
+            Self {
+                signal: signal.name.to_owned(),
+                unit: signal.error_unit.symbol().to_owned(),
+                time_s: first_s,
+                duration_s: last_s - first_s,
+                value: repeat.value,
+            }
+        })
+    }
+
+    /// Returns the sentence about all repeated readings of one signal.
+    fn sentence(repeats: &[&Self]) -> String {
+        let of_one = |repeat: &&Self| {
+            format!(
+                "{:.3} {} for {:.3} s at {:.3} s",
+                repeat.value, repeat.unit, repeat.duration_s, repeat.time_s
+            )
+        };
+        format!(
+            "{}: the same reading repeats for longer than the noise lets it, as where a converter is at its end or a logger gets no new \
+             value, and counts as missing: {}",
+            repeats[0].signal,
+            listed(repeats, of_one)
+        )
+    }
+}
+
+/// Returns the first few of `all` in words, and the number of the others.
+fn listed<T>(all: &[T], of_one: impl Fn(&T) -> String) -> String {
+    let mut listed: Vec<String> = all.iter().take(LISTED_MAX).map(of_one).collect();
+    if all.len() > LISTED_MAX {
+        listed.push(format!("{} more", all.len() - LISTED_MAX));
+    }
+    listed.join(", ")
 }
 
 impl LogGap {

@@ -20,6 +20,7 @@ mod noise_floor;
 mod offset;
 mod options;
 mod regime;
+mod repeats;
 pub mod result;
 mod run;
 mod simulation_start;

@@ -14,6 +14,7 @@ use crate::error::CompareError;
 use crate::gaps::Gap;
 use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
+use crate::repeats::{Repeat, take_out_repeats};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
 use crate::spikes::{Spike, Usual, take_out_spikes};
 
@@ -68,7 +69,8 @@ pub(crate) struct Measured {
     pub(crate) ambient: f64,
     /// Number of samples below vacuum at the ambient pressure of the plant: they count as missing.
     pub(crate) below_vacuum: usize,
-    /// Samples that stand out alone: they count as missing.
+    /// Samples that repeat or stand out alone: they count as missing.
+    pub(crate) repeats: Vec<Repeat>,
     pub(crate) spikes: Vec<Spike>,
     /// Rows at which the model restarts after a gap; of the chamber pressure only.
     pub(crate) restarts: Vec<Restart>,
@@ -166,12 +168,13 @@ pub(crate) fn measured_signals(
         let error_unit = error_unit(unit);
         let quiet = Quiet::of_signal(name);
         let floor = |values: &[f64]| noise_floor(values, error_unit.symbol(), quiet, commands);
-        let with_spikes = floor(&values);
+        let as_logged = floor(&values);
         let interval_s = interval_s(&commands.times_s, &values);
-        let usual = Usual::of((parameters, commands), (name, interval_s), &with_spikes);
+        let usual = Usual::of((parameters, commands), (name, interval_s), &as_logged);
         let spikes = take_out_spikes(&commands.times_s, &mut values, &usual);
-        let floor = match spikes.is_empty() {
-            true => with_spikes,
+        let repeats = take_out_repeats(&mut values, &as_logged);
+        let floor = match repeats.is_empty() && spikes.is_empty() {
+            true => as_logged,
             false => floor(&values),
         };
         let restarts = shown.map_or_else(Vec::new, |shown| {
@@ -187,6 +190,7 @@ pub(crate) fn measured_signals(
             floor,
             ambient,
             below_vacuum,
+            repeats,
             spikes,
             restarts,
         });

@@ -363,6 +363,9 @@ pub struct LogDefects {
     pub gaps: Vec<LogGap>,
     /// Signals with missing cells; these are excluded from every error.
     pub missing: Vec<MissingCells>,
+    /// The same value for longer than the noise lets it stay; these readings are excluded from every error, except the first one.
+    #[serde(default)]
+    pub repeats: Vec<LogRepeat>,
     /// Readings that stand out alone; these are excluded from every error.
     #[serde(default)]
     pub spikes: Vec<LogSpike>,
@@ -384,7 +387,23 @@ pub struct LogGap {
     pub restart_bar_gauge: Option<f64>,
 }
 
-/// Reading that stands out alone from those around it, up to three samples long.
+/// Reading that repeats: its converter is at its end, or the logger got no new value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogRepeat {
+    /// Name of the signal.
+    pub signal: String,
+    /// Unit of the value.
+    pub unit: String,
+    /// Time of its first sample since the start of the log (s).
+    pub time_s: f64,
+    /// Time from there to its last sample (s).
+    pub duration_s: f64,
+    /// Value.
+    pub value: f64,
+}
+
+/// Readings that stand out alone from those around them: a spike or a dropout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LogSpike {
@@ -392,8 +411,10 @@ pub struct LogSpike {
     pub signal: String,
     /// Unit of the height.
     pub unit: String,
-    /// Time since the start of the log (s).
+    /// Time of its first sample since the start of the log (s).
     pub time_s: f64,
+    /// Time from there to its last sample (s); 0 for a single one.
+    pub duration_s: f64,
     /// Height over the samples around it.
     pub height: f64,
 }
