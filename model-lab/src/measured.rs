@@ -16,7 +16,7 @@ use crate::metrics::{mean, present};
 use crate::noise_floor::{Floor, Quiet, noise_floor};
 use crate::repeats::{Repeat, take_out_repeats};
 use crate::result::{NotCompared, Start, StartFrom, error_unit};
-use crate::spikes::{Spike, Usual, take_out_spikes};
+use crate::spikes::{Spike, Swing, Usual, take_out_spikes};
 
 /// Measured signal that corrects the predictor.
 pub(crate) const PRESSURE: &str = "p_ch";
@@ -170,7 +170,8 @@ pub(crate) fn measured_signals(
         let floor = |values: &[f64]| noise_floor(values, error_unit.symbol(), quiet, commands);
         let as_logged = floor(&values);
         let interval_s = interval_s(&commands.times_s, &values);
-        let usual = Usual::of((parameters, commands), (name, interval_s), &as_logged);
+        let swing = (name == PRESSURE).then(|| Swing::of(parameters, commands));
+        let usual = Usual::of(&as_logged, interval_s, quiet.segments(commands), swing);
         let spikes = take_out_spikes(&commands.times_s, &mut values, &usual);
         let repeats = take_out_repeats(&mut values, &as_logged);
         let floor = match repeats.is_empty() && spikes.is_empty() {

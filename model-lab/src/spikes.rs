@@ -13,8 +13,7 @@ use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 
 use crate::commands::Commands;
-use crate::measured::PRESSURE;
-use crate::noise_floor::{Floor, Quiet, SETTLE_S};
+use crate::noise_floor::{Floor, SETTLE_S};
 
 /// Least height of a spike in noise standard deviations ...
 const SIGMAS: f64 = 10.0;
@@ -61,7 +60,7 @@ pub(crate) struct Usual {
 }
 
 /// Rise of the chamber pressure with a fall after it, or the other way round.
-struct Swing {
+pub(crate) struct Swing {
     /// Rows in which one of the valves is shut, for each valve.
     one_way: [Vec<Range<usize>>; 2],
     /// Largest swing in these rows (bar): gas that was let into a side volume flows back.
@@ -73,6 +72,16 @@ struct Swing {
 }
 
 impl Swing {
+    /// Returns what the plant does with these commands.
+    pub(crate) fn of(parameters: &PlantParameters, commands: &Commands) -> Self {
+        Self {
+            one_way: [FILL, VENT].map(|valve| commands.shut(valve, SETTLE_S)),
+            one_way_bar: ONE_WAY_SHARE * parameters.gas.supply_pressure_bar_gauge,
+            rates_bar_per_s: rates_bar_per_s(parameters),
+            shows_all_commands: commands.are_all_shown(),
+        }
+    }
+
     /// Returns by how much the pressure may rise and fall again, or fall and rise, in `rows`, which take `duration_s`.
     fn possible_bar(&self, rows: &Range<usize>, duration_s: f64) -> f64 {
         let [rise, fall] = self.rates_bar_per_s;
@@ -97,23 +106,19 @@ impl Swing {
 }
 
 impl Usual {
-    /// Returns what the signal `name`, sampled every `interval_s`, does with these commands.
+    /// Creates it for a signal with this noise floor, sampled every `interval_s`, that rests in the rows of `quiet`.
     pub(crate) fn of(
-        (parameters, commands): (&PlantParameters, &Commands),
-        (name, interval_s): (&str, f64),
         floor: &Floor,
+        interval_s: f64,
+        quiet: Vec<Range<usize>>,
+        swing: Option<Swing>,
     ) -> Self {
         Self {
             sigma: floor.sigma,
             step: floor.summary.quantisation_step.unwrap_or(0.0),
             interval_s,
-            quiet: Quiet::of_signal(name).segments(commands),
-            swing: (name == PRESSURE).then(|| Swing {
-                one_way: [FILL, VENT].map(|valve| commands.shut(valve, SETTLE_S)),
-                one_way_bar: ONE_WAY_SHARE * parameters.gas.supply_pressure_bar_gauge,
-                rates_bar_per_s: rates_bar_per_s(parameters),
-                shows_all_commands: commands.are_all_shown(),
-            }),
+            quiet,
+            swing,
         }
     }
 
@@ -233,7 +238,7 @@ mod tests {
 
     use super::*;
     use crate::bench::{Bench, logged_through, shut_for, spiked};
-    use crate::measured::{LogAsRead, Measured, measured_signals};
+    use crate::measured::{LogAsRead, Measured, PRESSURE, measured_signals};
     use plant_sim::logger_clock::LoggerClock;
     use recording::Recording;
 
