@@ -119,12 +119,12 @@ impl LogSpike {
                 duration_s => format!("{height} for {duration_s:.3} s"),
             }
         };
-        let what = match spikes.len() {
-            1 => "once, readings stand".to_owned(),
-            count => format!("{count} times, readings stand"),
+        let times = match spikes.len() {
+            1 => "once".to_owned(),
+            count => format!("{count} times"),
         };
         format!(
-            "{}: {what} out alone, as with a disturbance of the sensor, and count as missing: {}",
+            "readings of {} stand out alone {times}, as with a disturbance of the sensor, and count as missing: {}",
             spikes[0].signal,
             listed(spikes, of_one)
         )
@@ -155,7 +155,7 @@ impl LogRepeat {
             )
         };
         format!(
-            "{}: the same reading repeats for longer than the noise lets it, as where a converter is at its end or a logger gets no new \
+            "the same reading of {} repeats for longer than the noise lets it, as where a converter is at its end or a logger gets no new \
              value, and counts as missing: {}",
             repeats[0].signal,
             listed(repeats, of_one)
