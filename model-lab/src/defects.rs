@@ -63,18 +63,14 @@ impl LogDefects {
             .iter()
             .flat_map(|signal| LogSpike::of(signal, commands))
             .collect();
-        for signal in measured.iter().filter(|signal| !signal.spikes.is_empty()) {
-            let of_signal = spikes.iter().filter(|spike| spike.signal == signal.name);
-            sentences.push(LogSpike::sentence(&of_signal.collect::<Vec<_>>()));
-        }
+        let of_signals = spikes.chunk_by(|a, b| a.signal == b.signal);
+        sentences.extend(of_signals.map(LogSpike::sentence));
         let repeats: Vec<LogRepeat> = measured
             .iter()
             .flat_map(|signal| LogRepeat::of(signal, commands))
             .collect();
-        for signal in measured.iter().filter(|signal| !signal.repeats.is_empty()) {
-            let of_signal = repeats.iter().filter(|repeat| repeat.signal == signal.name);
-            sentences.push(LogRepeat::sentence(&of_signal.collect::<Vec<_>>()));
-        }
+        let of_signals = repeats.chunk_by(|a, b| a.signal == b.signal);
+        sentences.extend(of_signals.map(LogRepeat::sentence));
         Self {
             repeats,
             spikes,
@@ -108,8 +104,8 @@ impl LogSpike {
     }
 
     /// Returns the sentence about all spikes of one signal.
-    fn sentence(spikes: &[&Self]) -> String {
-        let of_one = |spike: &&Self| {
+    fn sentence(spikes: &[Self]) -> String {
+        let of_one = |spike: &Self| {
             let height = format!(
                 "{:+.3} {} at {:.3} s",
                 spike.height, spike.unit, spike.time_s
@@ -147,8 +143,8 @@ impl LogRepeat {
     }
 
     /// Returns the sentence about all repeated readings of one signal.
-    fn sentence(repeats: &[&Self]) -> String {
-        let of_one = |repeat: &&Self| {
+    fn sentence(repeats: &[Self]) -> String {
+        let of_one = |repeat: &Self| {
             format!(
                 "{:.3} {} for {:.3} s at {:.3} s",
                 repeat.value, repeat.unit, repeat.duration_s, repeat.time_s

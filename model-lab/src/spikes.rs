@@ -45,7 +45,7 @@ pub(crate) struct Spike {
     pub(crate) height: f64,
 }
 
-/// What a signal does without a spike.
+/// Behaviour of an undisturbed signal.
 pub(crate) struct Usual {
     /// Standard deviation of the noise; 0 where unknown.
     sigma: f64,

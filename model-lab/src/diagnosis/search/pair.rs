@@ -133,7 +133,7 @@ pub(super) fn best_pair(
         .or_else(|| nearest.map(Beside::Unclear)))
 }
 
-/// The best second effect beside `first`, whether both are needed, or one of them, if it suffices alone.
+/// The best second effect beside `first`, and whether both are needed; or one of them, if it suffices alone.
 fn pair_on(
     bench: &Bench,
     plain: &Trial,
