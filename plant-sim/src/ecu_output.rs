@@ -2,7 +2,8 @@
 //! period is high for the duty cycle that is valid when it begins.
 //!
 //! All instants are integer nanoseconds, so that edges never depend on rounding or on the order of events. At one
-//! instant a command takes effect before a period begins.
+//! instant a command takes effect before a period begins, and a command that is accepted late changes the running
+//! period: the instants of a log are known to some microseconds only.
 
 use std::collections::VecDeque;
 
@@ -26,6 +27,8 @@ impl Command {
 pub struct EcuOutput {
     period_ns: u64,
     delay_ns: u64,
+    /// Beginning of the running period, if one has begun.
+    period_begin_ns: Option<u64>,
     next_period_ns: u64,
     /// Delayed commands, with the instant at which they take effect.
     pending: VecDeque<(u64, Command)>,
@@ -41,6 +44,7 @@ impl EcuOutput {
         Self {
             period_ns,
             delay_ns,
+            period_begin_ns: None,
             next_period_ns: delay_ns,
             pending: VecDeque::new(),
             in_force: Command::default(),
@@ -48,9 +52,12 @@ impl EcuOutput {
         }
     }
 
-    /// Accepts a command given at `now_ns`. A duty cycle below 0 or NaN is 0 %, one above 100 is 100 %.
-    pub fn command(&mut self, now_ns: u64, command: Command) {
-        self.pending.push_back((now_ns + self.delay_ns, command));
+    /// Accepts a command given at `given_ns`. A duty cycle below 0 or NaN is 0 %, one above 100 is 100 %.
+    pub fn command(&mut self, given_ns: u64, command: Command) {
+        self.pending.push_back((given_ns + self.delay_ns, command));
+        if let Some(begin_ns) = self.period_begin_ns {
+            self.begin_period(begin_ns);
+        }
     }
 
     /// Returns the next instant after `now_ns` at which an output may change.
@@ -70,21 +77,27 @@ impl EcuOutput {
     /// now on.
     pub fn update(&mut self, now_ns: u64) -> [bool; 2] {
         if now_ns == self.next_period_ns {
-            while let Some(&(effective_ns, command)) = self.pending.front()
-                && effective_ns <= now_ns
-            {
-                self.in_force = command;
-                self.pending.pop_front();
-            }
-            self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
-                // Rounding to a nanosecond is negligible: a tick of any timer is much longer.
-                let share = (duty_pct / 100.0).clamp(0.0, 1.0);
-                now_ns.saturating_add((share * self.period_ns as f64).round() as u64)
-            });
+            self.begin_period(now_ns);
             // A plant without valves has no PWM: its period never ends.
             self.next_period_ns = self.next_period_ns.saturating_add(self.period_ns);
         }
         self.high_until_ns.map(|edge| edge > now_ns)
+    }
+
+    /// Begins the period of `begin_ns` with the last command that had taken effect by then.
+    fn begin_period(&mut self, begin_ns: u64) {
+        self.period_begin_ns = Some(begin_ns);
+        while let Some(&(effective_ns, command)) = self.pending.front()
+            && effective_ns <= begin_ns
+        {
+            self.in_force = command;
+            self.pending.pop_front();
+        }
+        self.high_until_ns = self.in_force.duty_pct().map(|duty_pct| {
+            // Rounding to a nanosecond is negligible: a tick of any timer is much longer.
+            let share = (duty_pct / 100.0).clamp(0.0, 1.0);
+            begin_ns.saturating_add((share * self.period_ns as f64).round() as u64)
+        });
     }
 }
 
@@ -165,6 +178,26 @@ mod tests {
             edges,
             [(0, false, false), (0, true, false), (30 * MS, false, true)]
         );
+    }
+
+    /// Defect seen: the clock of a log was wrong by 50 µs, so that the last row before a sample of the ECU seemed to lie
+    /// behind it. Without a command delay, the next command lost a whole period.
+    #[test]
+    fn a_command_that_is_accepted_late_changes_the_running_period() {
+        let mut output = EcuOutput::new(10 * MS, 0);
+        assert_eq!(output.update(0), [false, false]);
+        let late = Command {
+            duty_fill_pct: 40.0,
+            duty_vent_pct: 0.0,
+        };
+        output.command(0, late);
+        assert_eq!(output.update(MS), [true, false]);
+        assert_eq!(output.next_edge_ns(MS), 4 * MS);
+        let later = Command::default();
+        output.command(1, later);
+        assert_eq!(output.update(2 * MS), [true, false]);
+        assert_eq!(output.update(4 * MS), [false, false]);
+        assert_eq!(output.update(10 * MS), [false, false]);
     }
 
     #[test]
