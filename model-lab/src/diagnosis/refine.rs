@@ -129,6 +129,9 @@ pub fn refine(
         })?;
         steps = other.unwrap_or(steps);
     }
+    while let Some(again) = with_commands_again(&mut split, (&without, &steps), &forms, watch)? {
+        steps = again;
+    }
     let bench = split.bench(&without, &[]);
     report(watch, "the final fit", 0.0)?;
     if let [_, .., last] = steps.as_mut_slice() {
@@ -187,6 +190,31 @@ fn with_effects(
         steps.push(next);
     }
     Ok(steps)
+}
+
+/// Returns the trials of [`with_effects`] with the clocks and commands of the logs that the last of `steps` shows, where that leaves clearly
+/// less: the plain plant had assigned the commands without the effects.
+fn with_commands_again(
+    split: &mut Split,
+    (plant, steps): (&PlantParameters, &[Trial]),
+    forms: &[Vec<EffectSetting>],
+    watch: Watch,
+) -> Result<Option<Vec<Trial>>, DiagnoseError> {
+    let last = &steps[steps.len() - 1];
+    if !last.fitted.is_material() {
+        return Ok(None);
+    }
+    let before = split.logs();
+    let Some(there) = split.assign_by(last) else {
+        return Ok(None);
+    };
+    let plain = split.plain_from(plant, &there)?;
+    let again = with_effects(split, (plant, plain), forms, watch)?;
+    if again[again.len() - 1].total_square() < CLEARLY_LESS * last.total_square() {
+        return Ok(Some(again));
+    }
+    split.restore(before);
+    Ok(None)
 }
 
 /// Returns the effect `id` in its form `variant`, or in all of its forms that `plant` admits.

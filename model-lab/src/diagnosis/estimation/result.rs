@@ -120,10 +120,10 @@ pub(super) fn sentence(
     let determined = |one: &&EstimatedParameter| one.determination == Determination::Determined;
     let count = parameters.iter().filter(determined).count();
     let are = if count == 1 { "is" } else { "are" };
-    let known = format!(
-        "{count} of {} parameters {are} determined",
-        parameters.len()
-    );
+    let known = match parameters.len() {
+        0 => "nothing was estimated, since every parameter is fixed".to_owned(),
+        all => format!("{count} of {all} parameters {are} determined"),
+    };
     match left {
         Left::Noise => format!("the estimated model leaves no more than the noise; {known}"),
         Left::MoreOnCheck => format!(

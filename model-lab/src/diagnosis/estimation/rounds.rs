@@ -11,7 +11,7 @@ use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
 use crate::diagnosis::fit::logger_time::{
-    Delay, Search, centre_slow_clocks, find_clock, find_slow_clocks,
+    Delay, Search, centre_slow_clocks, choose_clocks_again, find_clock, find_slow_clocks,
 };
 use crate::diagnosis::fit::split::Split;
 use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss};
@@ -108,6 +108,33 @@ pub(super) fn with_clocks_anew(
         return Ok(anew);
     }
     Ok(before.restored(split))
+}
+
+/// Chooses again among the clocks that the logged commands admit, now that the plant is better known, and fits with them; returns to the
+/// previous state if the cost is not lower.
+pub(super) fn with_clocks_chosen_again(
+    plant: &PlantParameters,
+    split: &mut Split,
+    (unknowns, z): (Unknowns, Vec<f64>),
+    watch: Watch,
+) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+    let there = forgiving_fitter(&split.fitting, &unknowns).at(z);
+    let there = there.ok_or_else(|| split.not_simulated())?;
+    let before = Assigned::of(split, &unknowns, &there);
+    let logs = split.fitting.logs.clone();
+    split.fitting.take_conditions(&unknowns, &there.z);
+    if !choose_clocks_again(&unknowns.plant(&there.z), &mut split.fitting) {
+        split.fitting.logs = logs;
+        return Ok((before.unknowns, before.z));
+    }
+    let begun = begun_at(plant, &split.fitting, &unknowns, &there.z);
+    let anew = in_rounds(plant, split, begun, ROUNDS, watch)?;
+    let cost = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
+    if cost.is_some_and(|anew| anew.cost < before.cost) {
+        return Ok(anew);
+    }
+    split.fitting.logs = logs;
+    Ok((before.unknowns, before.z))
 }
 
 /// Assigns the commands of slow logs in pairs with the fitted plant, and fits with them.

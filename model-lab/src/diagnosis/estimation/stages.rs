@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::rounds::{
     OUTLIER, ROUNDS, ROUNDS_OF_SLOW_LOGS, assigned_anew, begin_at_delay, forgiving,
-    forgiving_fitter, in_rounds, with_clocks_anew, with_commands_settled,
+    forgiving_fitter, in_rounds, with_clocks_anew, with_clocks_chosen_again, with_commands_settled,
 };
 use super::unknowns_of;
 use super::weak_directions::{measure_weak_directions, settled};
@@ -84,8 +84,11 @@ pub(super) fn fit(
     let is_slow = split.fitting.logs.iter().any(Log::is_slow);
     let rounds = if is_slow { ROUNDS_OF_SLOW_LOGS } else { ROUNDS };
     (unknowns, z) = in_rounds(plant, split, (unknowns, z), rounds, watch)?;
-    if is_slow && leaves_more_than_noise(split, &unknowns, &z)? {
-        (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
+    if leaves_more_than_noise(split, &unknowns, &z)? {
+        (unknowns, z) = match is_slow {
+            true => with_clocks_anew(plant, split, (unknowns, z), watch)?,
+            false => with_clocks_chosen_again(plant, split, (unknowns, z), watch)?,
+        };
     }
     (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
     if leaves_more_than_noise(split, &unknowns, &z)? {

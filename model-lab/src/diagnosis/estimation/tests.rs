@@ -164,6 +164,24 @@ fn pressures_alone_show_the_values_of_a_coil_together() {
     assert_eq!(resistance.determination, Determination::Determined);
 }
 
+/// Defect seen: a plant file with every value fixed and a log of the ECU itself left nothing to fit, and the estimation panicked.
+#[test]
+fn where_every_parameter_is_fixed_nothing_is_estimated() {
+    let mut plant = PlantParameters::nominal();
+    for name in ordinary_names() {
+        plant.knowledge.insert(name.to_owned(), Knowledge::Exact);
+    }
+    let found = estimated(&plant, &[Bench::default().measure()], &[]).estimation;
+    assert!(found.is_adequate && found.parameters.is_empty());
+    assert!(
+        found
+            .sentence
+            .ends_with("nothing was estimated, since every parameter is fixed"),
+        "{}",
+        found.sentence
+    );
+}
+
 #[test]
 fn a_log_of_the_ecu_itself_has_no_clock_of_its_own_and_what_is_fixed_stays() {
     let mut plant = PlantParameters::nominal();

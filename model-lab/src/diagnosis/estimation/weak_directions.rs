@@ -19,8 +19,11 @@ const STEP: (f64, f64) = (0.02, 0.25);
 /// Number of passes: a direction measured once may still be mixed with stronger ones, which later passes separate.
 const PASSES: usize = 3;
 
-/// Recomputes the Jacobian of `fit` along its weak directions; unchanged where these cannot be simulated.
+/// Recomputes the Jacobian of `fit` along its weak directions; unchanged where these cannot be simulated, or where nothing is fitted.
 pub(in crate::diagnosis) fn measure_weak_directions(fitter: &Fitter, fit: &mut Fit) {
+    if fit.jacobian.is_empty() {
+        return;
+    }
     for _ in 0..PASSES {
         let (curvature, _) = fitter.normal(fit);
         let eigen = curvature.symmetric_eigen();

@@ -145,7 +145,7 @@ fn may_have_clock(
     } else {
         let clocks = from_commands
             .iter()
-            .flat_map(|one| Delay::AsGiven.clocks(one));
+            .flat_map(|one| Delay::AsGiven.clocks(one, plant));
         let shares = match delay {
             Delay::AsGiven => &[0.0],
             Delay::Searched => &DELAYS_WITHIN_ROW[..],
