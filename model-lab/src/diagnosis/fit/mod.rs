@@ -4,7 +4,6 @@
 //! A general library is not used, because none offers all three requirements: bounds, reuse of known Jacobian columns (those of the
 //! nuisance parameters hardly change from one candidate to the next), and an early end for a candidate without a chance.
 
-mod bounded;
 pub(crate) mod gather;
 pub(crate) mod interval;
 pub(crate) mod logger_time;
@@ -491,28 +490,60 @@ impl<'a> Fitter<'a> {
         let (hessian, gradient) = self.normal(fit);
         // Unknowns without a column do not move.
         let count = fit.jacobian.len();
-        let list = self.unknowns.list();
-        let damped = DMatrix::from_fn(count, count, |a, b| {
-            let value = hessian[(a, b)];
-            if a == b {
-                value * (1.0 + damping) + 1e-12
-            } else {
-                value
-            }
-        });
-        let longest = self.loss.longest_step();
-        let bounds: Vec<_> = (list.iter().zip(&fit.z).take(count).enumerate())
-            .map(|(n, (unknown, z))| {
-                if !self.scope.moves(unknown) || self.fixed == Some(n) {
-                    return (0.0, 0.0);
-                }
-                let (least, most) = unknown.bounds();
-                // A fit may begin outside the bounds: it steps towards them.
-                let [low, high] = [least, most].map(|end| (end - z).clamp(-longest, longest));
-                (low, high)
-            })
+        let bounds: Vec<_> = self
+            .unknowns
+            .list()
+            .iter()
+            .map(|unknown| unknown.bounds())
             .collect();
-        let step = bounded::least(&damped, &gradient, &bounds);
+        let list = self.unknowns.list();
+        let mut free: Vec<usize> = (0..count)
+            .filter(|&n| self.scope.moves(&list[n]) && self.fixed != Some(n))
+            .collect();
+        let mut step = vec![0.0; count];
+        // Each pass fixes the unknowns that would leave their bounds and solves for the rest again.
+        for _ in 0..=count {
+            let moved = |n: usize| !free.contains(&n);
+            let size = free.len();
+            let matrix = DMatrix::from_fn(size, size, |a, b| {
+                let value = hessian[(free[a], free[b])];
+                if a == b {
+                    value * (1.0 + damping) + 1e-12
+                } else {
+                    value
+                }
+            });
+            let right = DVector::from_fn(size, |a, _| {
+                let fixed: f64 = (0..count)
+                    .filter(|&n| moved(n))
+                    .map(|n| hessian[(free[a], n)] * step[n])
+                    .sum();
+                -gradient[free[a]] - fixed
+            });
+            let Some(cholesky) = matrix.cholesky() else {
+                break;
+            };
+            let solution = cholesky.solve(&right);
+            let mut outside = Vec::new();
+            for (a, &n) in free.iter().enumerate() {
+                let (least, most) = bounds[n];
+                let longest = self.loss.longest_step();
+                // A fit may begin outside the bounds: it steps towards them.
+                let low = (least - fit.z[n]).clamp(-longest, longest);
+                let high = (most - fit.z[n]).clamp(-longest, longest);
+                step[n] = solution[a].clamp(low, high);
+                if step[n] != solution[a] {
+                    outside.push(n);
+                }
+            }
+            if outside.is_empty() {
+                break;
+            }
+            free.retain(|n| !outside.contains(n));
+            if free.is_empty() {
+                break;
+            }
+        }
         let s = DVector::from_vec(step.clone());
         let expected = -2.0 * gradient.dot(&s) - s.dot(&(&hessian * &s));
         let mut z = fit.z.clone();
