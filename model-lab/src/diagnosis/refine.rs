@@ -205,7 +205,8 @@ fn with_commands_again(
         return Ok(None);
     }
     let before = split.logs();
-    let Some(there) = split.assign_by(last) else {
+    let there = split.choose_clocks_by(last);
+    let Some(there) = there.or_else(|| split.assign_by(last)) else {
         return Ok(None);
     };
     let plain = split.plain_from(plant, &there)?;

@@ -6,6 +6,7 @@
 //! distort the parameters, so the robust estimate is kept.
 
 use plant_sim::PlantParameters;
+use plant_sim::parameters::Part;
 use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
@@ -85,10 +86,11 @@ pub(super) fn fit(
     let rounds = if is_slow { ROUNDS_OF_SLOW_LOGS } else { ROUNDS };
     (unknowns, z) = in_rounds(plant, split, (unknowns, z), rounds, watch)?;
     if leaves_more_than_noise(split, &unknowns, &z)? {
-        (unknowns, z) = match is_slow {
-            true => with_clocks_anew(plant, split, (unknowns, z), watch)?,
-            false => with_clocks_chosen_again(plant, split, (unknowns, z), watch)?,
-        };
+        if is_slow {
+            (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
+        } else if !Part::DelayedOutput.is_in(plant) {
+            (unknowns, z) = with_clocks_chosen_again(plant, split, (unknowns, z), watch)?;
+        }
     }
     (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
     if leaves_more_than_noise(split, &unknowns, &z)? {

@@ -264,7 +264,7 @@ fn a_little_more_than_the_noise_says_nothing_of_physics() {
     let said = |left: Left| result::sentence(left, true, &[]);
     assert_eq!(
         said(Left::Little(1.13)),
-        "the estimated model leaves 1.13 times the noise: too little to say whether physics is missing; 0 of 0 parameters are determined"
+        "the estimated model leaves 1.13 times the noise: too little to say whether physics is missing; nothing was estimated, since every parameter is fixed"
     );
     assert!(said(Left::More).contains("so physics is missing"));
 }

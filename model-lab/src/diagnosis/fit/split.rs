@@ -325,25 +325,33 @@ impl Split {
         Ok(attempted)
     }
 
-    /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, or that admit several clocks, and assigns
-    /// their commands, with `best`: the assignment by a wrong plant hides the missing effect. Returns the plant with the delay that goes with
-    /// the clocks; none where there is no such log, or where no other clocks suit `best` better.
+    /// Chooses again among the clocks that the commands of the logs admit, with `best`. Returns its plant if a training log has another clock
+    /// then; otherwise the logs are unchanged.
+    pub(crate) fn choose_clocks_by(&mut self, best: &Trial) -> Option<PlantParameters> {
+        let (before, plant) = (self.logs(), best.plant());
+        self.take_conditions(best);
+        if !choose_clocks_again(&plant, &mut self.fitting) {
+            self.restore(before);
+            return None;
+        }
+        if !self.checking.is_rest_of_fitted {
+            choose_clocks_again(&plant, &mut self.checking);
+        }
+        self.fit_conditions(&plant);
+        Some(plant)
+    }
+
+    /// Finds the clocks of logs that leave open at which sample of the ECU a command was given, and assigns their commands, with `best`:
+    /// the assignment by a wrong plant hides the missing effect. Returns the plant with the delay that goes with the clocks; none where
+    /// there is no such log, or where no other clocks suit `best` better.
     pub(crate) fn assign_by(&mut self, best: &Trial) -> Option<PlantParameters> {
+        let is_open = |log: &Log| log.is_slow() && log.is_clock_open();
+        if !self.fitting.logs.iter().any(is_open) {
+            return None;
+        }
         let mut plant = best.plant();
         let before = self.conditions();
         self.take_conditions(best);
-        if choose_clocks_again(&plant, &mut self.fitting) {
-            if !self.checking.is_rest_of_fitted {
-                choose_clocks_again(&plant, &mut self.checking);
-            }
-            self.fit_conditions(&plant);
-            return Some(plant);
-        }
-        let is_open = |log: &Log| log.is_slow() && log.is_clock_open();
-        if !self.fitting.logs.iter().any(is_open) {
-            self.replace_conditions(&before);
-            return None;
-        }
         let reach_s = 0.5 * plant.ecu.sample_time_s;
         let there_s = plant.ecu.command_delay_s;
         let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);

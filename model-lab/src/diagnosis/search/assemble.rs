@@ -21,7 +21,9 @@ use crate::diagnosis::result::{
     BySignal, Candidate, DetectionLimit, Diagnosis, FittedParameter, NuisanceValue, OutsideValue,
     Regime, Step, StepKind, Verdict,
 };
-use crate::diagnosis::verdict::{ADDS_UP_FLOORS, ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE};
+use crate::diagnosis::verdict::{
+    ADDS_UP_FLOORS, ALIKE_EXCESS, ALIKE_SHARE, DISTINGUISHABLE, LITTLE_FLOORS,
+};
 use crate::options::CompareOptions;
 use crate::result::Horizon;
 
@@ -346,6 +348,13 @@ impl<'a> From<&'a Diagnosis> for Answer<'a> {
     }
 }
 
+/// Returns whether `step` leaves little more than the noise of the fitted data, but more of the validation data.
+fn explains_fitted_data_alone(step: &Step) -> bool {
+    let in_noise = |(signal, rms): (&String, &f64)| Some(rms / step.noise_floor.get(signal)?);
+    let worst = step.fit_rms.iter().filter_map(in_noise).fold(0.0, f64::max);
+    worst <= LITTLE_FLOORS && step.worst_in_noise() > LITTLE_FLOORS
+}
+
 /// Returns the answer in words.
 pub(crate) fn sentence(answer: &Answer) -> String {
     let &Answer {
@@ -460,10 +469,18 @@ pub(crate) fn sentence(answer: &Answer) -> String {
                 ),
             }
         }
-        Verdict::FormWrong => format!(
-            "missing: {}, which explains {share:.0} % of the excess error; its law differs here, or something else is missing as well",
-            all_of(&named)
-        ),
+        Verdict::FormWrong => {
+            let rest = match steps.last().is_some_and(explains_fitted_data_alone) {
+                true => {
+                    "the fitted logs are explained, and the validation data need values that these logs leave open, so fit all logs together"
+                }
+                false => "its law differs here",
+            };
+            format!(
+                "missing: {}, which explains {share:.0} % of the excess error; {rest}, or something else is missing as well",
+                all_of(&named)
+            )
+        }
         Verdict::NotInLibrary => {
             let best = candidates.first().map_or(String::new(), |best| {
                 format!(

@@ -163,18 +163,13 @@ fn select_from(
     }
     let bench = split.bench(plant, library);
     let mut found = selection::forward_selection(&bench, plain, singles, watch)?;
-    let is_named = found.verdict() != Verdict::NotInLibrary;
-    let nearest = match found.nearest.take() {
-        None if is_named && found.last().is_material() => Some(found.last().clone()),
-        nearest => nearest,
-    };
-    if let Some(nearest) = nearest
+    if found.verdict() != Verdict::NotInLibrary {
+        return Ok(found);
+    }
+    if let Some(nearest) = found.nearest.take()
         && let Some(again) = selected_by(split, plant, library, (&found, &nearest), watch)?
     {
         return Ok(again);
-    }
-    if is_named {
-        return Ok(found);
     }
     let bench = split.bench(plant, library);
     let plain = &found.steps[0];
@@ -188,9 +183,8 @@ fn select_from(
     Ok(found)
 }
 
-/// Selects effects again where `nearest`, the effects of `found` or the best two together, shows clocks and commands of the logs that a single
-/// one did not. None, with the former clocks and commands, where these do not change, or where that names nothing or leaves no less than
-/// the effects of `found`.
+/// Selects effects again where `nearest`, two effects together, shows clocks and commands of the logs that a single one did not. None, with
+/// the former clocks and commands, where these do not change, or where still nothing is named.
 fn selected_by(
     split: &mut Split,
     plant: &PlantParameters,
@@ -216,13 +210,11 @@ fn selected_by(
     };
     let bench = split.bench(plant, library);
     let again = selection::forward_selection(&bench, plain, singles, watch)?;
-    let is_named = |selection: &Selection| selection.verdict() != Verdict::NotInLibrary;
-    let bound = CLEARLY_LESS * found.last().total_square();
-    if is_named(&again) && (!is_named(found) || again.last().total_square() < bound) {
-        return Ok(Some(again));
+    if again.verdict() == Verdict::NotInLibrary {
+        split.restore(before);
+        return Ok(None);
     }
-    split.restore(before);
-    Ok(None)
+    Ok(Some(again))
 }
 
 /// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that

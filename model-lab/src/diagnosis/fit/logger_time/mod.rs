@@ -4,6 +4,7 @@
 //! clock directly. That of a slow logger is found by trying clocks on the model, together with the delay of the commands, which a wrong
 //! clock would be mistaken for.
 
+mod choice;
 mod commands;
 mod known_clock;
 mod of_one_log;
@@ -21,8 +22,9 @@ use super::{Descent, Fitter, Loss};
 use crate::commands::COMMAND_DELAY;
 use crate::conditions::Conditions;
 use crate::diagnosis::evidence::Evidence;
-use crate::diagnosis::evidence::log::{KnownClock, KnownPhase, Log};
+use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::Unknowns;
+pub(crate) use choice::choose_clocks_again;
 use commands::{CommandClock, DRIFT_MAX_PPM, clocks_from_commands};
 use known_clock::known_clock;
 pub(crate) use of_one_log::conditions_of;
@@ -55,8 +57,6 @@ const CLEAR: f64 = 0.7;
 const CLEAR_FITTED: f64 = 0.98;
 /// Number of fits of the clocks; the commands are reassigned after each.
 const ROUNDS: usize = 2;
-/// Distance of two clocks at an end of the log from which on they are different, over the time from row to row.
-const OTHER_CLOCK: f64 = 0.2;
 /// Tried phases within the range that the commands admit, over half of it.
 const WITHIN_SLACK: [f64; 3] = [-0.67, 0.0, 0.67];
 
@@ -156,35 +156,6 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
             log.known_clock = known_clock(&from_commands, clock, log);
         }
     }
-}
-
-/// Chooses again among the clocks that the commands of the logs in `evidence` admit, with `plant`, which fits better than the plant of the
-/// first choice. Returns whether a log has another clock now.
-pub(crate) fn choose_clocks_again(plant: &PlantParameters, evidence: &mut Evidence) -> bool {
-    let mut is_any_other = false;
-    for log in &mut evidence.logs {
-        let (KnownClock::Ends(ends), Some(before)) = (log.known_clock, log.conditions.clock) else {
-            continue;
-        };
-        let delay_s = plant.ecu.command_delay_s;
-        let unchanged = log.clone();
-        let loss_before = loss(plant, log, Some(before), delay_s);
-        find_loggers_clock(plant, log, Delay::AsGiven, &[]);
-        let there = log.conditions.clock;
-        let is_other = there.is_some_and(|there| {
-            let apart_s = |at_s| there.phase_at_s(at_s) - before.phase_at_s(at_s);
-            let whole_s = (apart_s(log.middle_s()) / log.sample_time_s).round() * log.sample_time_s;
-            let far_s = OTHER_CLOCK * log.command_interval_s;
-            let is_far = |end: &KnownPhase| (apart_s(end.at_s) - whole_s).abs() > far_s;
-            ends.iter().any(is_far)
-        });
-        if is_other && loss(plant, log, there, delay_s) < CLEAR_FITTED * loss_before {
-            is_any_other = true;
-        } else {
-            *log = unchanged;
-        }
-    }
-    is_any_other
 }
 
 /// Finds the clock of the logger of `log` if the commands do not determine it; none if the rows may be samples of the ECU.
@@ -293,6 +264,7 @@ mod tests {
 
     use super::*;
     use crate::bench::logged_through;
+    use crate::diagnosis::evidence::log::{KnownClock, KnownPhase};
     use crate::diagnosis::fit::gather::gather;
 
     /// Fill, hold, vent, hold: duration (s) with the duty cycles (%).
@@ -369,34 +341,6 @@ mod tests {
         };
         assert!(off_s(0.0).abs() > 0.5e-3, "{}", off_s(0.0));
         assert!(off_s(slack_s).abs() < 0.2e-3, "{}", off_s(slack_s));
-    }
-
-    /// Defect seen: two rows lie in each sample of the ECU, and the drift takes one of them across its beginning. The commands admit this
-    /// drift, the opposite one and none; a first plant file chose none, 17 ms from the truth, and every later fit kept it.
-    #[test]
-    fn a_better_plant_chooses_again_among_the_clocks_that_the_commands_admit() {
-        let clock = LoggerClock {
-            phase_s: 3.1e-3,
-            drift_ppm: -110.0,
-        };
-        let plant = PlantParameters::nominal();
-        let log = logged_through(&plant, (clock, 5e-3), 1, &PULSES.repeat(50));
-        let mut evidence = gather(&plant, [&log]).unwrap();
-        let off_s = |evidence: &Evidence| {
-            let log = &evidence.logs[0];
-            let (found, at_s) = (log.conditions.clock.unwrap(), log.middle_s());
-            within_sample_s(log, found.phase_at_s(at_s) - clock.phase_at_s(at_s)).abs()
-        };
-        fit_conditions(&plant, &mut evidence);
-        assert!(off_s(&evidence) < 0.3e-3, "{}", off_s(&evidence));
-        assert!(!choose_clocks_again(&plant, &mut evidence), "it is right");
-        let wrong = LoggerClock {
-            phase_s: 5e-3,
-            drift_ppm: 0.0,
-        };
-        evidence.logs[0].set_clock(wrong.later(10e-3), &plant);
-        assert!(choose_clocks_again(&plant, &mut evidence));
-        assert!(off_s(&evidence) < 1e-3, "{}", off_s(&evidence));
     }
 
     #[test]
