@@ -2,8 +2,8 @@
 //! period is high for the duty cycle that is valid when it begins.
 //!
 //! All instants are integer nanoseconds, so that edges never depend on rounding or on the order of events. At one
-//! instant a command takes effect before a period begins, and a command that is accepted late changes the running
-//! period: the instants of a log are known to some microseconds only.
+//! instant a command takes effect before a period begins. A command that arrives late changes the running period,
+//! because the instants of a log are known to some microseconds only.
 
 use std::collections::VecDeque;
 
@@ -52,7 +52,8 @@ impl EcuOutput {
         }
     }
 
-    /// Accepts a command given at `given_ns`. A duty cycle below 0 or NaN is 0 %, one above 100 is 100 %.
+    /// Accepts a command given at `given_ns`; one that was in force when the running period began applies to it from now
+    /// on. A duty cycle below 0 or NaN is 0 %, one above 100 is 100 %.
     pub fn command(&mut self, given_ns: u64, command: Command) {
         self.pending.push_back((given_ns + self.delay_ns, command));
         if let Some(begin_ns) = self.period_begin_ns {
@@ -180,8 +181,8 @@ mod tests {
         );
     }
 
-    /// Defect seen: the clock of a log was wrong by 50 µs, so that the last row before a sample of the ECU seemed to lie
-    /// behind it. Without a command delay, the next command lost a whole period.
+    /// Defect seen: the clock of a log was wrong by 50 µs, and the last row before a sample of the ECU seemed to come after
+    /// it. Without a command delay, the next command lost a whole period.
     #[test]
     fn a_command_that_is_accepted_late_changes_the_running_period() {
         let mut output = EcuOutput::new(10 * MS, 0);

@@ -192,8 +192,8 @@ fn with_effects(
     Ok(steps)
 }
 
-/// Returns the trials of [`with_effects`] with the clocks and commands of the logs that the last of `steps` shows, where that leaves clearly
-/// less: the plain plant had assigned the commands without the effects.
+/// Finds the clocks and commands of the logs again with the last of `steps`, since those of `steps` were found without the effects. Returns
+/// the trials of [`with_effects`] with them; none, with unchanged logs, if they do not leave clearly less.
 fn with_commands_again(
     split: &mut Split,
     (plant, steps): (&PlantParameters, &[Trial]),

@@ -211,8 +211,8 @@ impl Simulator {
         self.command_at(self.time_ns, command);
     }
 
-    /// Commands duty cycles at `instant_ns`, which may be in the past: they take effect after the command delay, or now
-    /// if that is past as well and the running PWM period began later. Commands must be given in the order of their
+    /// Commands duty cycles at `instant_ns`, which may be in the past. They apply to the first PWM period that begins
+    /// after the command delay; if that period is running, from now on. Commands must be given in the order of their
     /// instants.
     pub fn command_at(&mut self, instant_ns: u64, command: Command) {
         self.ecu_output.command(instant_ns, command);

@@ -92,22 +92,18 @@ pub(super) fn with_clocks_anew(
     (unknowns, z): (Unknowns, Vec<f64>),
     watch: Watch,
 ) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let there = forgiving_fitter(&split.fitting, &unknowns).at(z);
-    let there = there.ok_or_else(|| split.not_simulated())?;
-    let before = Assigned::of(split, &unknowns, &there);
+    let before = Assigned::at(split, &unknowns, z)?;
     let open = split
         .fitting
         .logs
         .iter_mut()
         .filter(|log| log.is_clock_open());
     open.for_each(|log| log.conditions.clock = None);
-    let anew = with_clocks(plant, split, &unknowns, &there.z);
-    let anew = in_rounds(plant, split, anew, ROUNDS_OF_SLOW_LOGS, watch)?;
-    let cost = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
-    if cost.is_some_and(|anew| anew.cost < before.cost) {
-        return Ok(anew);
+    let begun = with_clocks(plant, split, &unknowns, &before.z);
+    match before.improved_from(begun, (plant, split), ROUNDS_OF_SLOW_LOGS, watch)? {
+        Some(anew) => Ok(anew),
+        None => Ok(before.restored(split)),
     }
-    Ok(before.restored(split))
 }
 
 /// Chooses again among the clocks that the logged commands admit, now that the plant is better known, and fits with them; returns to the
@@ -118,20 +114,14 @@ pub(super) fn with_clocks_chosen_again(
     (unknowns, z): (Unknowns, Vec<f64>),
     watch: Watch,
 ) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let there = forgiving_fitter(&split.fitting, &unknowns).at(z);
-    let there = there.ok_or_else(|| split.not_simulated())?;
-    let before = Assigned::of(split, &unknowns, &there);
+    let before = Assigned::at(split, &unknowns, z)?;
     let logs = split.fitting.logs.clone();
-    split.fitting.take_conditions(&unknowns, &there.z);
-    if !choose_clocks_again(&unknowns.plant(&there.z), &mut split.fitting) {
-        split.fitting.logs = logs;
-        return Ok((before.unknowns, before.z));
-    }
-    let begun = begun_at(plant, &split.fitting, &unknowns, &there.z);
-    let anew = in_rounds(plant, split, begun, ROUNDS, watch)?;
-    let cost = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
-    if cost.is_some_and(|anew| anew.cost < before.cost) {
-        return Ok(anew);
+    split.fitting.take_conditions(&unknowns, &before.z);
+    if choose_clocks_again(&unknowns.plant(&before.z), &mut split.fitting) {
+        let begun = begun_at(plant, &split.fitting, &unknowns, &before.z);
+        if let Some(anew) = before.improved_from(begun, (plant, split), ROUNDS, watch)? {
+            return Ok(anew);
+        }
     }
     split.fitting.logs = logs;
     Ok((before.unknowns, before.z))
@@ -178,6 +168,27 @@ impl Assigned {
             unknowns: unknowns.clone(),
             z: fit.z.clone(),
         }
+    }
+
+    /// Returns the state at the coordinates `z`, with the present conditions of the logs.
+    fn at(split: &Split, unknowns: &Unknowns, z: Vec<f64>) -> Result<Self, DiagnoseError> {
+        let there = forgiving_fitter(&split.fitting, unknowns).at(z);
+        let there = there.ok_or_else(|| split.not_simulated())?;
+        Ok(Self::of(split, unknowns, &there))
+    }
+
+    /// Returns the fit from `begun` in `rounds`, with other conditions of the logs; none if its cost is not lower.
+    fn improved_from(
+        &self,
+        begun: (Unknowns, Vec<f64>),
+        (plant, split): (&PlantParameters, &mut Split),
+        rounds: usize,
+        watch: Watch,
+    ) -> Result<Option<(Unknowns, Vec<f64>)>, DiagnoseError> {
+        let anew = in_rounds(plant, split, begun, rounds, watch)?;
+        let there = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
+        let is_lower = there.is_some_and(|there| there.cost < self.cost);
+        Ok(is_lower.then_some(anew))
     }
 
     fn restored(self, split: &mut Split) -> (Unknowns, Vec<f64>) {

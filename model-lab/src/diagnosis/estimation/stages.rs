@@ -89,6 +89,7 @@ pub(super) fn fit(
         if is_slow {
             (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
         } else if !Part::DelayedOutput.is_in(plant) {
+            // With a command delay, each clock was tried with every delay.
             (unknowns, z) = with_clocks_chosen_again(plant, split, (unknowns, z), watch)?;
         }
     }

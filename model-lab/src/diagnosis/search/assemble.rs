@@ -472,7 +472,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         Verdict::FormWrong => {
             let rest = match steps.last().is_some_and(explains_fitted_data_alone) {
                 true => {
-                    "the fitted logs are explained, and the validation data need values that these logs leave open, so fit all logs together"
+                    "it explains the fitted logs, and the validation data need values that these logs leave open: fit all logs together"
                 }
                 false => "its law differs here",
             };

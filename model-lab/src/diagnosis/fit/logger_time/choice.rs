@@ -1,8 +1,8 @@
 //! Choice among several clocks that the commands of a log admit.
 //!
-//! Where two rows lie in each sample of the ECU and the drift takes one of them across its beginning, the commands admit this drift and the
-//! opposite one, with phases half a sample apart. Only a model chooses between them, and with a first plant file its choice is a matter of
-//! chance.
+//! A log may have two rows per sample of the ECU, and the drift may move one of them past the beginning of the sample. The commands then
+//! admit two clocks: their drifts are opposite, and their phases differ by half a sample. Only a model chooses between them, and a first
+//! plant file is too inaccurate for that.
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -57,8 +57,8 @@ mod tests {
     use crate::diagnosis::fit::gather::gather;
     use crate::diagnosis::fit::logger_time::fit_conditions;
 
-    /// Defect seen: two rows lie in each sample of the ECU, and the drift takes one of them across its beginning. The commands admit this
-    /// drift, the opposite one and none; a first plant file chose none, 17 ms from the truth, and every later fit kept it.
+    /// Defect seen: the commands admitted the true drift, the opposite one and none. A first plant file chose none, 17 ms from the truth, and
+    /// every later fit kept it.
     #[test]
     fn a_better_plant_chooses_again_among_the_clocks_that_the_commands_admit() {
         let clock = LoggerClock {
