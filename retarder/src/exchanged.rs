@@ -1,4 +1,4 @@
-//! Files in each other's place: a log given as the plant file, a plant file or a mapping given as a log.
+//! Files in each other's place: a log or a data sheet given as the plant file, a plant file or a mapping given as a log.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -6,6 +6,7 @@ use std::path::Path;
 
 use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory as _};
+use plant_sim::parameters::is_datasheet_key;
 use recording::LogFormat;
 
 use crate::cli::Cli;
@@ -28,13 +29,7 @@ enum Kind {
 
 impl Kind {
     fn of(path: &Path) -> Self {
-        let mut head = Vec::new();
-        let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
-        let read = |file: File| file.take(HEAD_BYTES).read_to_end(&mut head);
-        if !is_file || File::open(path).and_then(read).is_err() {
-            return Self::Unknown;
-        }
-        Self::of_head(&head)
+        head_of(path).map_or(Self::Unknown, |head| Self::of_head(&head))
     }
 
     fn of_head(head: &[u8]) -> Self {
@@ -86,9 +81,31 @@ impl Kind {
     }
 }
 
-/// Refuses a log in the place of a plant file, with the corrected command.
+/// Returns the beginning of a file; none if it cannot be read.
+fn head_of(path: &Path) -> Option<Vec<u8>> {
+    let mut head = Vec::new();
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    let read = |file: File| file.take(HEAD_BYTES).read_to_end(&mut head);
+    (is_file && File::open(path).and_then(read).is_ok()).then_some(head)
+}
+
+/// Returns whether a file begins with keys of a datasheet file: a plant file has its keys in tables.
+fn is_datasheet(path: &Path) -> bool {
+    let head = head_of(path).unwrap_or_default();
+    let text = String::from_utf8_lossy(&head);
+    let mut lines = text.lines().take_while(|line| !line.starts_with('['));
+    lines.any(|line| {
+        let key = line.split_once('=').map(|(key, _)| key.trim());
+        key.is_some_and(is_datasheet_key)
+    })
+}
+
+/// Refuses a log or a data sheet in the place of a plant file, with the corrected command.
 pub(crate) fn refuse_as_plant(path: &Path) -> Result<(), Failure> {
     match Kind::of(path) {
+        Kind::Plant if is_datasheet(path) => Err(Failure::DatasheetAsPlant {
+            path: path.to_path_buf(),
+        }),
         Kind::Log => Err(Failure::LogAsPlant {
             path: path.to_path_buf(),
             command: corrected(arguments(), path, &Kind::of),

@@ -79,6 +79,10 @@ pub(crate) enum Failure {
     )]
     LogAsPlant { path: PathBuf, command: String },
     #[error(
+        "{}: --plant expects a plant file, and this file has the keys of a data sheet. Write the plant file from it first:\n  retarder parameters --from-datasheet {} > my-plant.toml", path.display(), quoted(&path.display().to_string())
+    )]
+    DatasheetAsPlant { path: PathBuf },
+    #[error(
         "{}: a log is expected (CSV, MF4, Parquet or MATLAB), and this is a {kind} (TOML). Corrected command:\n  {command}", path.display()
     )]
     TomlAsLog {

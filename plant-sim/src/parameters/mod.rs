@@ -23,6 +23,7 @@ pub use crate::description::{
     PlantParameters, ProportionalValveParameters, RegulatingValveParameters, Scale,
     SecondChamberParameters, Size,
 };
+pub use datasheet::is_datasheet_key;
 pub use error::{ParameterError, Problem};
 pub use parts::Part;
 pub use table::PARAMETERS;

@@ -283,6 +283,17 @@ fn files_in_each_others_place_are_named_with_the_corrected_command() {
         &["compare", "--plant", "bench.csv"],
         &["this is a log", "\n  retarder compare --log bench.csv\n"],
     );
+    bench.file(
+        "sheet.toml",
+        "rig = \"two valves\"\nchamber_volume_cm3 = 75   # tape measure, ±15 %\n",
+    );
+    check(
+        &["compare", "--plant", "sheet.toml", "--log", "bench.csv"],
+        &[
+            "sheet.toml: --plant expects a plant file, and this file has the keys of a data sheet",
+            "\n  retarder parameters --from-datasheet sheet.toml > my-plant.toml\n",
+        ],
+    );
     check(
         &["diagnose", "plant.toml", "bench.csv"],
         &[

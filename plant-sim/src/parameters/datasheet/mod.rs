@@ -188,6 +188,11 @@ const USUAL: [(&str, f64); 6] = [
     ("coil.resistance_temperature_coefficient_per_k", 0.0039),
 ];
 
+/// Returns whether a datasheet file may have this key for a value of the plant.
+pub fn is_datasheet_key(key: &str) -> bool {
+    ROWS.iter().any(|row| row.key == key) || KEYS.iter().any(|(name, _)| *name == key)
+}
+
 impl PlantParameters {
     /// Reads a datasheet file and returns the plant; errors use `name` for the file.
     ///
