@@ -46,6 +46,16 @@ fn the_control_signal_of_the_telemetry_is_the_pulse() {
     assert_eq!(bench.ecu.telemetry().control_signal, 100 << 12);
 }
 
+#[test]
+fn a_run_whose_pulses_reach_the_coils_goes_on() {
+    let mut bench = running(24_000);
+    bench.reference_bar = 5.0;
+    for sample in 0..5 {
+        bench.step_with(|_| {});
+        assert_eq!(bench.duties(), [100.0, 0.0], "sample {sample}");
+    }
+}
+
 /// A sample without a plausible pressure shuts both valves. The run that was under way gets no further pulse, and the loop
 /// goes on after it.
 #[test]
