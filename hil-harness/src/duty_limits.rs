@@ -6,7 +6,6 @@ use controller::fixed::types::I16F16;
 use controller::{LowerLimit, OpeningDuty, Settings};
 use plant_sim::PlantParameters;
 use plant_sim::experiment::{ValveId, holding_duty_pct, opening_duty_at_pct};
-use plant_sim::plant::VENT;
 use plant_sim::valve::ValveFunction;
 
 /// Duty limits of one valve: duty cycles of its opening, that of the coil for a normally closed valve, and 100 % less it for
@@ -69,29 +68,39 @@ pub fn with_duty_limits(
     })
 }
 
-/// Returns the shipped controller with the limits of the vent valve of `plant`, if that is normally open: the shipped ones
-/// are those of a normally closed valve. Other limits, and those of a valve without any, stay.
-pub(crate) fn with_vent_limits(controller: Settings, plant: &PlantParameters) -> Settings {
+/// Returns the shipped controller with the limits of those valves of `plant` that are no normally closed valves with a coil,
+/// to which the shipped ones belong. Other limits, and those of a valve without any, stay.
+pub(crate) fn with_limits_of_valves(controller: Settings, plant: &PlantParameters) -> Settings {
     let shipped = Settings::recommended();
-    let LowerLimit::PressureDependent { fill, .. } = controller.duty_min else {
+    let LowerLimit::PressureDependent { fill, vent } = controller.duty_min else {
         return controller;
     };
-    if plant.functions[VENT] != ValveFunction::NormallyOpen
-        || controller.duty_min != shipped.duty_min
-        || controller.duty_max_vent_pct != shipped.duty_max_vent_pct
-    {
+    let has_shipped_limits = controller.duty_min == shipped.duty_min
+        && controller.duty_max_fill_pct == shipped.duty_max_fill_pct
+        && controller.duty_max_vent_pct == shipped.duty_max_vent_pct;
+    if !has_shipped_limits {
         return controller;
     }
-    match DutyLimits::found(plant, ValveId::Vent) {
-        Ok(vent) => Settings {
-            duty_min: LowerLimit::PressureDependent {
-                fill,
-                vent: vent.opening(),
-            },
-            duty_max_vent_pct: fixed(vent.holding_pct),
-            ..controller
+    let of_another_kind = |valve: ValveId| {
+        let function = plant.functions[valve.index()];
+        let is_other = function.has_conductance() || function == ValveFunction::NormallyOpen;
+        is_other
+            .then(|| DutyLimits::found(plant, valve).ok())
+            .flatten()
+    };
+    let of_fill = of_another_kind(ValveId::Fill);
+    let of_vent = of_another_kind(ValveId::Vent);
+    let holding = |found: &Option<DutyLimits>, shipped: I16F16| {
+        found.map_or(shipped, |limits| fixed(limits.holding_pct))
+    };
+    Settings {
+        duty_min: LowerLimit::PressureDependent {
+            fill: of_fill.map_or(fill, |limits| limits.opening()),
+            vent: of_vent.map_or(vent, |limits| limits.opening()),
         },
-        Err(NoDutyLimit { .. }) => controller,
+        duty_max_fill_pct: holding(&of_fill, controller.duty_max_fill_pct),
+        duty_max_vent_pct: holding(&of_vent, controller.duty_max_vent_pct),
+        ..controller
     }
 }
 

@@ -1,5 +1,6 @@
 //! Supply voltage and coil temperature in operation. The settings of the ECU are those of the nominal conditions.
 
+use plant_sim::parameters::Part;
 use plant_sim::{ParameterError, PlantParameters};
 
 use crate::random::{Random, Stream};
@@ -62,8 +63,11 @@ pub struct ConditionScatter {
 }
 
 impl ConditionScatter {
-    /// Returns the conditions in a vehicle with the nominal supply voltage of `plant`.
+    /// Returns the conditions in a vehicle with the nominal supply voltage of `plant`; none without coils.
     pub fn vehicle(plant: &PlantParameters) -> Self {
+        if !Part::Coil.is_in(plant) {
+            return Self::default();
+        }
         Self {
             supply_voltage_v: Some(SUPPLY_SHARES.map(|share| share * plant.ecu.supply_voltage_v)),
             coil_temperature_c: Some(COIL_TEMPERATURE_RANGE_C),
@@ -85,9 +89,12 @@ impl ConditionScatter {
     }
 }
 
-/// Returns the temperature of the coils of `plant` at the start (°C).
-pub fn coil_temperature_c(plant: &PlantParameters) -> f64 {
-    REFERENCE_TEMPERATURE_C + plant.get(COIL_TEMPERATURE).unwrap_or(0.0)
+/// Returns the temperature of the coils of `plant` at the start (°C); none without coils.
+pub fn coil_temperature_c(plant: &PlantParameters) -> Option<f64> {
+    let difference_k = || plant.get(COIL_TEMPERATURE).unwrap_or(0.0);
+    Part::Coil
+        .is_in(plant)
+        .then(|| REFERENCE_TEMPERATURE_C + difference_k())
 }
 
 #[cfg(test)]
@@ -122,7 +129,7 @@ mod tests {
             (resistance - 82.2 * (1.0 + 0.0039 * 100.0)).abs() < 1e-9,
             "{resistance} ohm"
         );
-        assert_eq!(coil_temperature_c(&changed.plant), 120.0);
+        assert_eq!(coil_temperature_c(&changed.plant), Some(120.0));
     }
 
     #[test]

@@ -48,6 +48,8 @@ pub struct Requirement {
     /// Position of the vent valve without current. The duty cycle that opens a normally open one is 100 % less that of its
     /// coil, and tables 4.1 and 4.2 have no limits for it.
     pub vent_valve: VentValve,
+    /// Whether the fill and the vent valve have a coil: the duty cycles of another valve have no such limits.
+    pub has_coil: [bool; 2],
     /// Largest number of valve actuations within any one second at rest, both valves together. Assumed, because the
     /// thesis gives no number: it asks for "a minimum use of the valves" (section 6.3.1). One correction may take a few
     /// pulses; more is a limit cycle.
@@ -123,6 +125,7 @@ impl Requirement {
         duty_factors: [1.0, 1.0],
         is_pulsed: false,
         vent_valve: VentValve::NormallyClosed,
+        has_coil: [true; 2],
         rest_actuations_per_s: 3,
         is_rest_binding: false,
         lifts_per_s: None,
@@ -144,11 +147,12 @@ impl Requirement {
         }
     }
 
-    /// Returns the requirement on a loop with this kind of vent valve.
+    /// Returns the requirement on a loop with this kind of vent valve, and with or without coils.
     #[must_use]
-    pub const fn with_vent_valve(&self, vent_valve: VentValve) -> Self {
+    pub const fn with_valves(&self, vent_valve: VentValve, has_coil: [bool; 2]) -> Self {
         Self {
             vent_valve,
+            has_coil,
             ..*self
         }
     }
@@ -169,6 +173,7 @@ impl Requirement {
             duty_factors: self.duty_factors,
             is_pulsed: self.is_pulsed,
             vent_valve: self.vent_valve,
+            has_coil: self.has_coil,
             ..Self::THESIS
         };
         match *self == of_thesis {

@@ -50,6 +50,19 @@ const SCATTER: &[Scatter] = &[
     relative(&["armature.spring_n_per_m"], 0.05),
     absolute(&["ecu.command_delay_s"], 1.5e-3),
     absolute(&["gas.supply_pressure_bar_gauge"], 0.15),
+    // Valves without a coil: conductances like the discharge coefficients, switching times as data sheets state them (assumed).
+    relative(&["on_off_fill.conductance_dm3_per_s_bar"], 0.08),
+    relative(&["on_off_vent.conductance_dm3_per_s_bar"], 0.08),
+    relative(
+        &["on_off_fill.opening_delay_s", "on_off_fill.closing_delay_s"],
+        0.1,
+    ),
+    relative(
+        &["on_off_vent.opening_delay_s", "on_off_vent.closing_delay_s"],
+        0.1,
+    ),
+    relative(&["proportional_fill.conductance_dm3_per_s_bar"], 0.08),
+    relative(&["proportional_vent.conductance_dm3_per_s_bar"], 0.08),
 ];
 
 /// Returns one scattered rig of the kind of `parameters`: the same seed gives the same rig.
@@ -84,10 +97,10 @@ pub struct RigVerdict {
     pub rig: u32,
     /// Seed of its scenario: [`scattered`] gives the rig, and the same scenario with this seed repeats the run.
     pub seed: u64,
-    /// Supply voltage (V); at time 0, if it changes.
-    pub supply_voltage_v: f64,
-    /// Temperature of the coils (°C); at the start, if it changes.
-    pub coil_temperature_c: f64,
+    /// Supply voltage (V); at time 0, if it changes; `None` without coils.
+    pub supply_voltage_v: Option<f64>,
+    /// Temperature of the coils (°C); at the start, if it changes; `None` without coils.
+    pub coil_temperature_c: Option<f64>,
     /// Verdict on the loop.
     pub verdict: Verdict,
 }
@@ -154,12 +167,18 @@ pub fn verdicts_in_operation<'a>(
             seed,
             error: Box::new(error),
         })?;
-        let supply_voltage = scenario.supply.map(|supply| supply.at_s(0.0));
+        let coil_temperature_c = coil_temperature_c(&scenario.plant);
+        let of_plant_v = scenario.plant.ecu.supply_voltage_v;
+        let supply_v = || {
+            scenario
+                .supply
+                .map_or(of_plant_v, |supply| supply.at_s(0.0))
+        };
         Ok(RigVerdict {
             rig,
             seed,
-            supply_voltage_v: supply_voltage.unwrap_or(scenario.plant.ecu.supply_voltage_v),
-            coil_temperature_c: coil_temperature_c(&scenario.plant),
+            supply_voltage_v: coil_temperature_c.map(|_| supply_v()),
+            coil_temperature_c,
             verdict: run.verdict(requirement)?,
         })
     })

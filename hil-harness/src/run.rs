@@ -4,6 +4,7 @@ use core::ops::ControlFlow;
 
 use controller::Settings;
 use ecu::VentValve;
+use plant_sim::valve::ValveFunction;
 use recording::Recording;
 
 use crate::checks::{JudgeError, Verdict, judge};
@@ -37,6 +38,8 @@ pub struct Run {
     pub duty_factors: [f64; 2],
     /// Position of the vent valve without current, as the ECU was told.
     pub vent_valve: VentValve,
+    /// Whether the fill and the vent valve have a coil.
+    pub has_coil: [bool; 2],
 }
 
 impl Run {
@@ -59,7 +62,7 @@ impl Run {
         let requirement = requirement
             .with_controller(&self.controller)
             .with_duty_factors(self.duty_factors)
-            .with_vent_valve(self.vent_valve);
+            .with_valves(self.vent_valve, self.has_coil);
         let verdict = judge(&self.recording, &requirement)?;
         Ok(Verdict {
             confirmed_faults: Some(self.confirmed_faults()),
@@ -190,5 +193,6 @@ pub fn run_watched(
         controller: scenario.controller,
         duty_factors,
         vent_valve: scenario.ecu_settings().vent_valve,
+        has_coil: scenario.plant.functions.map(ValveFunction::has_coil),
     })
 }

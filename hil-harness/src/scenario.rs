@@ -5,14 +5,15 @@ use core::fmt;
 use controller::Settings;
 use ecu::{EcuSettings, PressureSensor, Supervision};
 use plant_sim::PlantParameters;
-use plant_sim::plant::VENT;
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
 use plant_sim::valve::ValveFunction;
 
 use crate::controller_file;
 use crate::lead_in::LeadIn;
 use crate::reference_profile::ReferenceProfile;
 use crate::requirement::Requirement;
-use crate::supervision::{supervision, vent_valve, with_nominal_values};
+use crate::supervision::{SHIPPED, supervision, vent_valve, with_nominal_values};
 use crate::voltage_profile::Supply;
 
 /// All data that determines a run. Two runs of one scenario are equal bit for bit.
@@ -167,15 +168,38 @@ impl Scenario {
                 plant_ms,
             });
         }
-        let period_ms = plant_period_ms(&self.plant);
-        if self.controller.pulses.is_some() && (period_ms - plant_ms).abs() > 1e-6 {
-            return Err(ScenarioError::PulsePeriod {
-                period_ms,
-                sample_ms: plant_ms,
-            });
+        if self.controller.pulses.is_some() {
+            self.check_pulses()?;
         }
         Ok(())
     }
+
+    /// Checks what model-based pulses need of the plant.
+    fn check_pulses(&self) -> Result<(), ScenarioError> {
+        let sample_ms = self.plant.ecu.sample_time_s * 1e3;
+        let period_ms = plant_period_ms(&self.plant);
+        if (period_ms - sample_ms).abs() > 1e-6 {
+            return Err(ScenarioError::PulsePeriod {
+                period_ms,
+                sample_ms,
+            });
+        }
+        let functions = self.plant.functions;
+        if functions.into_iter().any(ValveFunction::has_conductance) {
+            return Err(ScenarioError::PulsesWithoutCoil);
+        }
+        Ok(())
+    }
+}
+
+/// Returns the part that a closed loop needs and `plant` lacks: a commanded valve to fill and one to vent, and the chamber.
+pub fn missing_part(plant: &PlantParameters) -> Option<Part> {
+    let parts = [
+        Part::CommandedValve(FILL),
+        Part::CommandedValve(VENT),
+        Part::Chamber,
+    ];
+    parts.into_iter().find(|part| !part.is_in(plant))
 }
 
 /// Returns the PWM period of a plant (ms).
@@ -185,20 +209,28 @@ fn plant_period_ms(plant: &PlantParameters) -> f64 {
 
 /// Returns the controller with the nominal values of the plant `to` where it has those of the plant `from`.
 fn followed(controller: Settings, from: &PlantParameters, to: &PlantParameters) -> Settings {
+    let mut shipped_ones = SHIPPED.iter().map(|shipped| shipped());
+    let on_its_plant = |&shipped: &Settings| with_nominal_values(shipped, from) == controller;
+    if let Some(shipped) = shipped_ones.find(on_its_plant) {
+        return with_nominal_values(shipped, to);
+    }
     let shipped = Settings::pulses();
     let with_shipped = Settings {
         compensation: shipped.compensation,
         pulses: shipped.pulses,
         duty_min: shipped.duty_min,
+        duty_max_fill_pct: shipped.duty_max_fill_pct,
         duty_max_vent_pct: shipped.duty_max_vent_pct,
         ..controller
     };
     let [old, new] = [from, to].map(|plant| with_nominal_values(with_shipped, plant));
     let has_old_limits = controller.duty_min == old.duty_min
+        && controller.duty_max_fill_pct == old.duty_max_fill_pct
         && controller.duty_max_vent_pct == old.duty_max_vent_pct;
     let limits = if has_old_limits { new } else { controller };
     Settings {
         duty_min: limits.duty_min,
+        duty_max_fill_pct: limits.duty_max_fill_pct,
         duty_max_vent_pct: limits.duty_max_vent_pct,
         compensation: match controller.compensation {
             Some(_) if controller.compensation == old.compensation => new.compensation,
@@ -492,6 +524,12 @@ pub enum ScenarioError {
         /// Sample time of the plant (ms).
         sample_ms: f64,
     },
+    /// Model-based pulses with a valve whose opening times are not those of the tables.
+    #[error(
+        "model-based pulses need two valves with coils: their tables have the opening times of such valves; leave out the \
+         table [pulses]"
+    )]
+    PulsesWithoutCoil,
     /// Controller and plant have different sample times.
     #[error(
         "the controller's sample_time_ms = {controller_ms} is not the plant's ecu.sample_time_s = {plant_ms} ms: \

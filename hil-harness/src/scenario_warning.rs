@@ -3,13 +3,16 @@
 use core::fmt;
 
 use plant_sim::PlantParameters;
+use plant_sim::plant::{FILL, VENT};
 
 use crate::scenario::Scenario;
-use crate::supervision::rate;
 
 /// Smallest chamber (m³) behind orifices of 1.9 mm on which the recommended controller, tuned on 75 cm³, overshoots by
 /// no more than twice P_tol.
 const SMALLEST_CHAMBER_M3: f64 = 66e-6;
+
+/// Share of the supply pressure up to which a reference is reached in time; beyond it, the flow of the fill valve fades.
+const HIGHEST_REFERENCE_PSUP: f64 = 0.97;
 
 /// Reason to expect that the loop misses its requirements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +25,13 @@ pub enum ScenarioWarning {
         volume_m3: f64,
         /// Smallest volume that is not too fast for these orifices (m³).
         smallest_m3: f64,
+    },
+    /// A reference is near the supply pressure or above it.
+    HighReference {
+        /// Highest reference (bar gauge).
+        reference_bar: f64,
+        /// Supply pressure (bar gauge).
+        supply_bar: f64,
     },
 }
 
@@ -39,6 +49,15 @@ impl fmt::Display for ScenarioWarning {
                 1e6 * volume_m3,
                 1e6 * smallest_m3
             ),
+            Self::HighReference {
+                reference_bar,
+                supply_bar,
+            } => write!(
+                f,
+                "the reference goes up to {reference_bar:.2} bar, and the supply pressure of the plant is {supply_bar:.2} bar: \
+                 above {:.0} % of it the fill valve passes little air. Give a lower one with --reference",
+                100.0 * HIGHEST_REFERENCE_PSUP
+            ),
         }
     }
 }
@@ -47,10 +66,10 @@ impl Scenario {
     /// Returns the reasons to expect that the loop misses its requirements; empty if there are none.
     pub fn warnings(&self) -> Vec<ScenarioWarning> {
         let nominal = PlantParameters::nominal();
+        // Share of the upstream pressure by which an open valve moves the pressure in a sample.
         let fastest = |plant: &PlantParameters| {
-            let flow = &plant.flow;
-            let fill = rate(plant, flow.discharge_fill, flow.orifice_fill_m);
-            fill.max(rate(plant, flow.discharge_vent, flow.orifice_vent_m))
+            let [fill, vent] = [FILL, VENT].map(|valve| plant.open_valve_rate_per_s(valve));
+            fill.max(vent) * plant.ecu.sample_time_s
         };
         let volume_m3 = self.plant.chamber.volume_m3;
         let nominal_at_smallest =
@@ -61,7 +80,23 @@ impl Scenario {
             volume_m3,
             smallest_m3,
         };
-        is_small.then_some(warning).into_iter().collect()
+        let of_chamber = is_small.then_some(warning);
+        of_chamber
+            .into_iter()
+            .chain(self.high_reference())
+            .collect()
+    }
+
+    fn high_reference(&self) -> Option<ScenarioWarning> {
+        let levels_bar = self.reference.changes().into_iter();
+        let levels_bar = levels_bar.map(|change| change.to_bar);
+        let reference_bar = levels_bar.fold(self.reference.start_bar(), f64::max);
+        let supply_bar = self.plant.gas.supply_pressure_bar_gauge;
+        let is_high = reference_bar > HIGHEST_REFERENCE_PSUP * supply_bar;
+        is_high.then_some(ScenarioWarning::HighReference {
+            reference_bar,
+            supply_bar,
+        })
     }
 }
 

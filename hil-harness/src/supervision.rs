@@ -2,12 +2,14 @@
 
 use controller::fixed::types::I16F16;
 use controller::{Compensation, Field, Pulses, Settings};
-use ecu::{Supervision, VentValve};
+use ecu::{EcuField, Supervision, VentValve};
 use plant_sim::PlantParameters;
-use plant_sim::plant::VENT;
+use plant_sim::experiment::ValveId;
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
 use plant_sim::valve::ValveFunction;
 
-use crate::duty_limits::with_vent_limits;
+use crate::duty_limits::{DutyLimits, with_limits_of_valves};
 
 /// Returns bounds within which the ECU accepts plants of this kind as healthy. Rates and currents are those of `plant`;
 /// a rig with the usual scatter is still healthy.
@@ -23,32 +25,79 @@ pub fn supervision(plant: &PlantParameters) -> Supervision {
     let battery_v = |plant: &PlantParameters| plant.ecu.supply_voltage_v;
     let current =
         |plant: &PlantParameters| plant.ecu.supply_voltage_v / plant.coil.resistance_20c_ohm;
+    let of_coils = |bound: I16F16, by: fn(&PlantParameters) -> f64| match Part::Coil.is_in(plant) {
+        true => scaled(bound, by),
+        false => bound,
+    };
     // No controller can be set to a higher value.
     let limit_bar = I16F16::lit("15");
     Supervision {
         supply_pressure_min_bar: scaled(known.supply_pressure_min_bar, supply_bar).min(limit_bar),
         supply_pressure_max_bar: scaled(known.supply_pressure_max_bar, supply_bar).min(limit_bar),
         fill_rate_per_s: scaled(known.fill_rate_per_s, |plant| {
-            rate(plant, plant.flow.discharge_fill, plant.flow.orifice_fill_m)
+            plant.open_valve_rate_per_s(FILL)
         }),
         vent_rate_per_s: scaled(known.vent_rate_per_s, |plant| {
-            rate(plant, plant.flow.discharge_vent, plant.flow.orifice_vent_m)
+            plant.open_valve_rate_per_s(VENT)
         }),
-        battery_min_v: scaled(known.battery_min_v, battery_v),
-        battery_max_v: scaled(known.battery_max_v, battery_v),
-        coil_current_min_ma: scaled(known.coil_current_min_ma, current),
-        coil_current_max_ma: scaled(known.coil_current_max_ma, current),
+        open_duty_fill_pct: open_duty_pct(plant, ValveId::Fill, known.open_duty_fill_pct),
+        open_duty_vent_pct: open_duty_pct(plant, ValveId::Vent, known.open_duty_vent_pct),
+        valve_settling_ms: valve_settling_ms(plant, known.valve_settling_ms),
+        battery_min_v: of_coils(known.battery_min_v, battery_v),
+        battery_max_v: of_coils(known.battery_max_v, battery_v),
+        coil_current_min_ma: of_coils(known.coil_current_min_ma, current),
+        coil_current_max_ma: of_coils(known.coil_current_max_ma, current),
         ..known
     }
 }
 
+/// Returns the lowest duty cycle (%) at which a valve of `plant` is certainly open: `known` for one with a coil, whose limit
+/// leaves 20 % to the duty cycle that opens it. Another valve gets the same margin.
+fn open_duty_pct(plant: &PlantParameters, valve: ValveId, known: I16F16) -> I16F16 {
+    const MARGIN_PCT: f64 = 20.0;
+    if !plant.functions[valve.index()].has_conductance() {
+        return known;
+    }
+    DutyLimits::found(plant, valve).map_or(known, |limits| {
+        let [opens_pct, ..] = limits.opening_pct;
+        I16F16::saturating_from_num((opens_pct + MARGIN_PCT).min(100.0))
+    })
+}
+
+/// Longest settling time that an ECU follows (samples).
+const SETTLING_SAMPLES_MAX: f64 = 32.0;
+
+/// Returns the time (ms) after which the pressure has certainly followed a command to the valves of `plant`: `known` for
+/// valves with coils; the switching times of other valves, a longer PWM period and the line to a second chamber come on top. An ECU follows a limited one.
+fn valve_settling_ms(plant: &PlantParameters, known: I16F16) -> I16F16 {
+    let nominal = PlantParameters::nominal();
+    let known_ms: f64 = known.to_num();
+    let longer_period_ms =
+        1e3 * (plant.ecu.pwm_frequency_hz.recip() - nominal.ecu.pwm_frequency_hz.recip());
+    let switching_ms = [FILL, VENT].map(|valve| 1e3 * plant.longest_switching_s(valve));
+    let [fill_ms, vent_ms] = switching_ms;
+    let later_ms = longer_period_ms.max(0.0) + fill_ms.max(vent_ms) + 1e3 * plant.balance_s();
+    let samples_ms = SETTLING_SAMPLES_MAX * 1e3 * plant.ecu.sample_time_s;
+    let most_ms = samples_ms.min(EcuField::ValveSettling.range()[1].to_num());
+    I16F16::saturating_from_num((known_ms + later_ms).min(most_ms).max(known_ms))
+}
+
+/// Shipped controllers.
+pub(crate) const SHIPPED: [fn() -> Settings; 3] =
+    [Settings::recommended, Settings::thesis, Settings::pulses];
+
 /// Returns the controller with the nominal values of `plant`: voltage and resistance of its compensation, orifice, rates
-/// and command delay of its pulses, duty limits of a normally open vent valve. Each stays if it is not the one of the
-/// shipped controllers.
+/// and command delay of its pulses, duty limits of valves of another kind. Each stays if it is not the one of the shipped
+/// controllers. The sample time becomes that of `plant` if the whole controller is a shipped one.
 pub fn with_nominal_values(controller: Settings, plant: &PlantParameters) -> Settings {
     let shipped = Settings::pulses();
-    let controller = with_vent_limits(controller, plant);
+    let is_shipped = SHIPPED.map(|shipped| shipped()).contains(&controller);
+    let controller = with_limits_of_valves(controller, plant);
     Settings {
+        sample_time_ms: match is_shipped {
+            true => I16F16::saturating_from_num(1e3 * plant.ecu.sample_time_s),
+            false => controller.sample_time_ms,
+        },
         compensation: if controller.compensation == shipped.compensation {
             compensation(plant)
         } else {
@@ -79,10 +128,10 @@ fn pulses_on(pulses: Pulses, plant: &PlantParameters) -> Pulses {
             plant.flow.orifice_fill_m
         }),
         fill_rate_per_s: value(Field::PulseFillRate, pulses.fill_rate_per_s, &|plant| {
-            rate(plant, plant.flow.discharge_fill, plant.flow.orifice_fill_m)
+            plant.open_valve_rate_per_s(FILL)
         }),
         vent_rate_per_s: value(Field::PulseVentRate, pulses.vent_rate_per_s, &|plant| {
-            rate(plant, plant.flow.discharge_vent, plant.flow.orifice_vent_m)
+            plant.open_valve_rate_per_s(VENT)
         }),
         command_delay_ms: value(Field::PulseDelay, pulses.command_delay_ms, &|plant| {
             plant.ecu.command_delay_s
@@ -91,9 +140,12 @@ fn pulses_on(pulses: Pulses, plant: &PlantParameters) -> Pulses {
     }
 }
 
-/// Returns the compensation with the nominal voltage and resistance of `plant`; `None` for a plant beyond the range of
-/// these settings.
+/// Returns the compensation with the nominal voltage and resistance of `plant`; `None` for a plant without coils, or beyond
+/// the range of these settings.
 fn compensation(plant: &PlantParameters) -> Option<Compensation> {
+    if !Part::Coil.is_in(plant) {
+        return None;
+    }
     let of_plant = |field: Field, value: f64| {
         let [min, max] = field.range();
         let value = I16F16::saturating_from_num(value);
@@ -121,13 +173,6 @@ pub fn vent_valve(plant: &PlantParameters) -> VentValve {
     }
 }
 
-/// Returns the rate of an open valve up to a factor common to all plants: choked flow into the chamber's volume.
-pub(crate) fn rate(plant: &PlantParameters, discharge: f64, orifice_m: f64) -> f64 {
-    let gas = &plant.gas;
-    let sound_m_per_s = (gas.gas_constant_j_per_kg_k * gas.temperature_k).sqrt();
-    discharge * orifice_m * orifice_m * sound_m_per_s / plant.chamber.volume_m3
-}
-
 #[cfg(test)]
 mod tests {
     use ecu::{EcuConfig, EcuSettings};
@@ -148,11 +193,7 @@ mod tests {
     /// The rates of the nominal supervision are those of choked flow through the nominal orifices.
     #[test]
     fn the_nominal_rates_are_those_of_the_physics() {
-        let plant = PlantParameters::nominal();
-        let choked = 0.6847; // √γ (2/(γ+1))^((γ+1)/(2(γ-1))) for γ = 1.4
-        let physical = rate(&plant, plant.flow.discharge_fill, plant.flow.orifice_fill_m)
-            * choked
-            * core::f64::consts::FRAC_PI_4;
+        let physical = PlantParameters::nominal().open_valve_rate_per_s(FILL);
         let nominal = Supervision::nominal().fill_rate_per_s.to_num::<f64>();
         assert!(
             (physical / nominal - 1.0).abs() < 0.01,

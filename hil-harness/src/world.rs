@@ -1,5 +1,7 @@
 //! Environment of the ECU: the plant, its pressure sensor, its coil currents, its battery, and the reference.
 
+use plant_sim::parameters::Part;
+use plant_sim::plant::{FILL, VENT};
 use plant_sim::{Command, Sample, Simulator};
 
 use crate::random::{Random, Stream};
@@ -77,9 +79,9 @@ impl<'a> World<'a> {
             elapsed_us: u32::try_from(self.sample_ns / 1000).unwrap_or(u32::MAX),
             reference: Some(wire::reference_bits(reference_bar)),
             pressure: Some(sensor::code(self.shown.measured_pressure + noise_pa).bits()),
-            current_fill_ma: Some(wire::current_ma(current_fill)),
-            current_vent_ma: Some(wire::current_ma(current_vent)),
-            battery_mv: Some(sensor::battery_mv(voltage_v)),
+            current_fill_ma: current_fill.map(wire::current_ma),
+            current_vent_ma: current_vent.map(wire::current_ma),
+            battery_mv: self.has_coil().then(|| sensor::battery_mv(voltage_v)),
         }
     }
 
@@ -92,7 +94,9 @@ impl<'a> World<'a> {
         let end_ns = self.simulator.time_ns() + self.sample_ns;
         let interval_ns = self.scenario.supply.map_or(self.sample_ns, |_| VOLTAGE_NS);
         while self.simulator.time_ns() < end_ns {
-            self.simulator.set_supply_voltage(self.supply_voltage_v());
+            if self.has_coil() {
+                self.simulator.set_supply_voltage(self.supply_voltage_v());
+            }
             let next_ns = self.simulator.time_ns() + interval_ns;
             self.simulator.advance_to_ns(next_ns.min(end_ns));
         }
@@ -101,6 +105,11 @@ impl<'a> World<'a> {
     /// Sets the supply voltage (V) of plant and measurement, to apply a fault; none restores that of the scenario.
     pub fn force_supply(&mut self, volt: Option<f64>) {
         self.forced_supply_v = volt;
+    }
+
+    /// Returns whether the plant has a coil, and the ECU measures its supply voltage.
+    fn has_coil(&self) -> bool {
+        Part::Coil.is_in(&self.scenario.plant)
     }
 
     /// Returns the supply voltage at the ECU now (V).
@@ -116,14 +125,15 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Returns the mean coil currents with the noise of draw number `draw` (A).
-    fn sensed_currents(&self, draw: u64) -> [f64; 2] {
-        let [fill, vent] = self.shown.mean_current;
-        let noise = |valve| {
-            let draw = draw.wrapping_mul(2).wrapping_add(valve);
-            CURRENT_NOISE_A_RMS * self.current_noise.normal(draw)
-        };
-        [fill + noise(0), vent + noise(1)].map(|current| current.max(0.0))
+    /// Returns the mean coil currents with the noise of draw number `draw` (A); none of a valve without a coil.
+    fn sensed_currents(&self, draw: u64) -> [Option<f64>; 2] {
+        [FILL, VENT].map(|valve| {
+            let draw = draw.wrapping_mul(2).wrapping_add(valve as u64);
+            let noise = CURRENT_NOISE_A_RMS * self.current_noise.normal(draw);
+            let current = (self.shown.mean_current[valve] + noise).max(0.0);
+            let has_coil = self.scenario.plant.functions[valve].has_coil();
+            has_coil.then_some(current)
+        })
     }
 
     /// Returns the plant at the ECU's last measurement.
@@ -131,9 +141,9 @@ impl<'a> World<'a> {
         &self.shown
     }
 
-    /// Returns the chamber pressure at the ECU's last measurement (bar gauge).
+    /// Returns the chamber pressure where the sensor is, at the ECU's last measurement (bar gauge).
     pub fn pressure_bar(&self) -> f64 {
-        (self.shown.pressure - self.scenario.plant.gas.ambient_pressure_pa) / 1e5
+        (self.shown.pressure_at_sensor - self.scenario.plant.gas.ambient_pressure_pa) / 1e5
     }
 
     /// Returns the numbers of lifts of the fill and the vent valve since power-on, each bounce included.

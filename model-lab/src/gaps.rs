@@ -46,20 +46,6 @@ pub(crate) struct Gap {
     pub(crate) is_without_commands: bool,
 }
 
-/// Returns the time (s) until the pressure of the chamber without a sensor no longer depends on the gap: the one in which choked flow moves
-/// the difference of the two pressures by 1 bar per bar of the higher one, V1 V2 / (V1 + V2) / (C p0) with p0 = 1 bar (ISO 6358). 0 without a
-/// second chamber.
-fn balance_s(parameters: &PlantParameters) -> f64 {
-    if !Part::SecondChamber.is_in(parameters) {
-        return 0.0;
-    }
-    let second = &parameters.second_chamber;
-    let volumes = [parameters.chamber.volume_m3, second.volume_m3];
-    let in_series = volumes[0] * volumes[1] / (volumes[0] + volumes[1]);
-    let conductance = second.conductance_dm3_per_s_bar * 1e-3;
-    in_series / conductance
-}
-
 impl Gaps {
     /// Returns the gaps of a log with these rows.
     pub(crate) fn of(parameters: &PlantParameters, inputs: &Inputs) -> Self {
@@ -82,7 +68,7 @@ impl Gaps {
                 parameters.ecu.command_delay_s
                     + 1.0 / parameters.ecu.pwm_frequency_hz
                     + SETTLE_S
-                    + balance_s(parameters)
+                    + parameters.balance_s()
             }
             false => 0.0,
         };
@@ -289,7 +275,7 @@ mod tests {
         plant.second_chamber.volume_m3 = 120e-6;
         plant.second_chamber.conductance_dm3_per_s_bar = 0.4;
         // 48 cm3 in series over 0.4 dm3/(s bar) times 1 bar.
-        assert!((balance_s(&plant) - 0.12).abs() < 1e-12);
+        assert!((plant.balance_s() - 0.12).abs() < 1e-12);
         let shown = (0..100).map(|row| (row, true));
         let found = Gaps::at(&plant, (&paused(11), 0.01), shown);
         assert_eq!(found.list[0].rows, 50..70);

@@ -18,7 +18,8 @@ pub enum ValveId {
 }
 
 impl ValveId {
-    fn index(self) -> usize {
+    /// Returns the place of the valve in a plant.
+    pub fn index(self) -> usize {
         match self {
             Self::Fill => FILL,
             Self::Vent => VENT,
@@ -67,7 +68,7 @@ pub fn opening_duty_at_pct(
     valve: ValveId,
     pressure_share: f64,
 ) -> Option<f64> {
-    let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
+    let lift = NOTICEABLE_TRAVEL * stroke_m(parameters, valve);
     lowest_duty_pct(|duty_pct| {
         let bench = Bench::new(parameters, valve, duty_pct, pressure_share);
         bench.lifts(0..settled_ns(parameters)).any(|y| y >= lift)
@@ -77,17 +78,26 @@ pub fn opening_duty_at_pct(
 /// Returns the lowest duty cycle (%) that keeps the valve open (section 4.1), with no pressure across it: the armature
 /// no longer returns to its seat within a PWM period. The thesis found this limit by ear: the sound ends when the
 /// armature no longer strikes the seat. The armature rests at full stroke only at about 7 % more duty cycle. For a normally
-/// open valve it is the duty cycle of the opening. Returns `None` if even 100 % does not keep it open.
+/// open valve it is the duty cycle of the opening. A proportional valve stays at any opening: here it is the one that opens
+/// it fully, but for a noticeable travel. Returns `None` if even 100 % does not keep it open.
 pub fn holding_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
-    let lift = NOTICEABLE_TRAVEL * parameters.armature.stroke_m;
-    staying_duty_pct(parameters, valve, lift)
+    let share = match parameters.functions[valve.index()] {
+        ValveFunction::Proportional => 1.0 - NOTICEABLE_TRAVEL,
+        _ => NOTICEABLE_TRAVEL,
+    };
+    staying_duty_pct(parameters, valve, share * stroke_m(parameters, valve))
 }
 
 /// Returns the lowest duty cycle (%) at which the armature rests at full stroke through the whole PWM period, with no
 /// pressure across the valve: the strict reading of a valve that is kept open. Returns `None` as
 /// [`holding_duty_pct`] does.
 pub fn full_stroke_duty_pct(parameters: &PlantParameters, valve: ValveId) -> Option<f64> {
-    staying_duty_pct(parameters, valve, parameters.armature.stroke_m)
+    staying_duty_pct(parameters, valve, stroke_m(parameters, valve))
+}
+
+/// Returns the stroke of the valve (m).
+fn stroke_m(parameters: &PlantParameters, valve: ValveId) -> f64 {
+    parameters.plant().valves[valve.index()].armature.stroke
 }
 
 /// Returns the lowest duty cycle (%) at which the armature stays at or above `lift` (m) in the steady PWM cycle.

@@ -131,6 +131,11 @@ impl Valve {
         self.orifice.effective_area(self.lift(x))
     }
 
+    /// Returns the discharge coefficient times open area (m²) of the open valve.
+    pub fn largest_area(&self) -> f64 {
+        self.orifice.effective_area(self.armature.stroke)
+    }
+
     /// Returns the part of the area law that is valid at `x` and, at the kink itself, in the direction of `v`.
     #[inline]
     pub fn limit(&self, x: f64, v: f64) -> Limit {

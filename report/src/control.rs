@@ -111,8 +111,11 @@ fn rig_line(rigs: &[RigVerdict]) -> Markup {
             @if !failing.is_empty() {
                 " Not so rig"
                 @for rig in failing.iter().take(10) {
-                    " " (rig.rig) " (seed " (rig.seed) ", " (number(rig.supply_voltage_v)) " V, coils at "
-                    (number(rig.coil_temperature_c)) " °C)"
+                    " " (rig.rig) " (seed " (rig.seed)
+                    @if let Some((volt, celsius)) = rig.supply_voltage_v.zip(rig.coil_temperature_c) {
+                        ", " (number(volt)) " V, coils at " (number(celsius)) " °C"
+                    }
+                    ")"
                 }
                 @if failing.len() > 10 { " and others" }
                 "."

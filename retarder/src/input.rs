@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use hil_harness::scenario::missing_part;
 use hil_harness::{
     OperatingConditions, ReferenceProfile, Requirement, Scenario, controller_file, requirement_file,
 };
@@ -107,14 +108,26 @@ impl NamedPlant {
         Ok(self)
     }
 
-    /// Returns the plant if it has both valves and the chamber.
-    pub(crate) fn whole(self) -> Result<Self, Failure> {
+    /// Returns the plant if it has the parts that a closed loop needs.
+    pub(crate) fn for_control(self) -> Result<Self, Failure> {
+        self.unless_lacking(missing_part)
+    }
+
+    /// Returns the plant if it has the parts of the thesis' bench: two valves with armatures, and the chamber.
+    pub(crate) fn for_thesis(self) -> Result<Self, Failure> {
         let parts = [
             Part::ArmatureOf(FILL),
             Part::ArmatureOf(VENT),
             Part::Chamber,
         ];
-        match parts.into_iter().find(|part| !part.is_in(&self.parameters)) {
+        self.unless_lacking(|plant| parts.into_iter().find(|part| !part.is_in(plant)))
+    }
+
+    fn unless_lacking(
+        self,
+        missing: impl Fn(&PlantParameters) -> Option<Part>,
+    ) -> Result<Self, Failure> {
+        match missing(&self.parameters) {
             Some(part) => Err(Failure::PartLeftOut {
                 plant: self.name,
                 part,
@@ -451,7 +464,7 @@ impl NamedScenario {
             }
             None => (built_in_scenario(&args.scenario), None),
         };
-        let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?.whole()?;
+        let plant = NamedPlant::from_args(&args.plant, built_in_plant(&scenario))?.for_control()?;
         let requirements = NamedRequirement::from_args(&args.requirements)?;
         let mut inputs = vec![plant.input(), controller.input()];
         inputs.extend(requirements.input());

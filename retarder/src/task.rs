@@ -106,7 +106,7 @@ impl Task {
             Some(Command::Thesis(args)) => {
                 (targets.json, targets.html) = (args.json.json, args.html.html);
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-                let plant = plant.whole()?;
+                let plant = plant.for_thesis()?;
                 if args.explain {
                     Work::ExplainThesis(plant)
                 } else {
@@ -159,7 +159,7 @@ impl Task {
             }
             Some(Command::Tune(args)) => {
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
-                let plant = plant.whole()?;
+                let plant = plant.for_control()?;
                 Work::Tune(plant, NamedController::from_args(&args.controller)?)
             }
             Some(Command::Serve(args)) => Work::Serve(workbench::Options {

@@ -1,8 +1,7 @@
 //! Plants of a project for the closed loop: the current one, and the plain one beside it.
 
+use hil_harness::scenario::missing_part;
 use plant_sim::PlantParameters;
-use plant_sim::parameters::Part;
-use plant_sim::plant::{FILL, VENT};
 
 use crate::project::Project;
 use crate::refusal::Refusal;
@@ -35,12 +34,7 @@ impl NamedPlant {
     }
 
     fn new(role: &'static str, name: String, parameters: PlantParameters) -> Result<Self, Refusal> {
-        let parts = [
-            Part::ArmatureOf(FILL),
-            Part::ArmatureOf(VENT),
-            Part::Chamber,
-        ];
-        match parts.into_iter().find(|part| !part.is_in(&parameters)) {
+        match missing_part(&parameters) {
             Some(part) => Err(Refusal::value(format!(
                 "{name}: the plant has no {part}; the loop needs both valves and the chamber"
             ))),

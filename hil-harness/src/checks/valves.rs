@@ -55,31 +55,41 @@ fn openings_pct(trajectory: &Trajectory, requirement: &Requirement, index: usize
     }
 }
 
-/// Checks that a duty cycle is 0 or within its limits, which pulses and normally open valves do not have.
+/// Checks that a duty cycle is 0 or within its limits, which pulses, normally open valves and valves without a coil do not have.
 pub(super) fn duty_limits(trajectory: &Trajectory, requirement: &Requirement) -> Option<Check> {
     if requirement.is_pulsed {
         return None;
     }
     let [factor_min, factor_max] = requirement.duty_factors;
     let scaled = |[min, max]: [f64; 2]| [factor_min * min, (factor_max * max).min(100.0)];
-    let [fill_min, fill_max] = requirement.duty_fill_pct;
-    let [vent_min, vent_max] = requirement.duty_vent_pct;
-    let is_vent_limited = requirement.vent_valve == VentValve::NormallyClosed;
-    let mut limits = vec![scaled(requirement.duty_fill_pct)];
-    let mut within = format!("{fill_min} to {fill_max} % (fill valve)");
-    if is_vent_limited {
-        limits.push(scaled(requirement.duty_vent_pct));
-        within += &format!(" and {vent_min} to {vent_max} % (vent valve)");
+    let is_normally_closed = requirement.vent_valve == VentValve::NormallyClosed;
+    let [fill_has_coil, vent_has_coil] = requirement.has_coil;
+    let valves = [
+        ("fill", requirement.duty_fill_pct, fill_has_coil),
+        (
+            "vent",
+            requirement.duty_vent_pct,
+            vent_has_coil && is_normally_closed,
+        ),
+    ];
+    let limited = valves.iter().zip(&trajectory.duty);
+    let limited = limited.filter(|((.., is_limited), _)| *is_limited);
+    let limited: Vec<_> = limited
+        .map(|(&(name, limits_pct, _), duty)| (name, limits_pct, scaled(limits_pct), duty))
+        .collect();
+    if limited.is_empty() {
+        return None;
     }
+    let within: Vec<String> = limited
+        .iter()
+        .map(|(name, [min, max], ..)| format!("{min} to {max} % ({name} valve)"))
+        .collect();
+    let within = within.join(" and ");
     let beyond = |&index: &usize| {
-        trajectory
-            .duty
-            .iter()
-            .zip(&limits)
-            .any(|(duty, [min, max])| {
-                let duty = duty[index];
-                duty != 0.0 && !(min - ROUNDING_PCT..=max + ROUNDING_PCT).contains(&duty)
-            })
+        limited.iter().any(|(.., [min, max], duty)| {
+            let duty = duty[index];
+            duty != 0.0 && !(min - ROUNDING_PCT..=max + ROUNDING_PCT).contains(&duty)
+        })
     };
     Some(count_of(
         CheckId::DutyLimits,

@@ -15,6 +15,8 @@ use crate::valve::ValveFunction;
 pub enum Part {
     /// Valve that a duty cycle commands.
     Commanded,
+    /// Commanded valve that air flows through, in one place.
+    CommandedValve(usize),
     /// Coil of either valve.
     Coil,
     /// Movable armature of either valve.
@@ -57,6 +59,10 @@ impl Part {
         let has_diameter = |valve: usize| !plant.functions[valve].has_conductance();
         match self {
             Self::Commanded => any(ValveFunction::is_commanded),
+            Self::CommandedValve(valve) => {
+                let function = plant.functions[valve];
+                function.is_commanded() && function.has_orifice()
+            }
             Self::OnOffValve(valve) => is(ValveFunction::OnOff, valve),
             Self::ProportionalValve(valve) => is(ValveFunction::Proportional, valve),
             Self::DelayedOutput => {
@@ -155,7 +161,10 @@ impl Part {
             Self::SecondChamber | Self::SingleChamber => {
                 Some(format!("no table [{SECOND_CHAMBER}]"))
             }
-            Self::OnOffValve(_) | Self::ProportionalValve(_) | Self::Any => None,
+            Self::CommandedValve(_)
+            | Self::OnOffValve(_)
+            | Self::ProportionalValve(_)
+            | Self::Any => None,
         }
     }
 }
@@ -179,6 +188,9 @@ impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Commanded => f.write_str("valve that is commanded"),
+            Self::CommandedValve(valve) => {
+                write!(f, "{} valve that is commanded", VALVE_KEYS[*valve])
+            }
             Self::Coil => f.write_str("coil"),
             Self::Armature => f.write_str("armature that moves"),
             Self::ArmatureOf(valve) => {

@@ -52,6 +52,8 @@ pub struct Sample {
     pub time_ns: u64,
     /// Chamber pressure (Pa abs).
     pub pressure: f64,
+    /// Pressure where the sensor is (Pa abs): that of the second chamber, if there is one.
+    pub pressure_at_sensor: f64,
     /// Pressure that the sensor shows (Pa abs): the chamber's without effects.
     pub measured_pressure: f64,
     /// Coil currents of fill and vent valve (A).
@@ -70,6 +72,7 @@ impl Sample {
         Self {
             time_ns,
             pressure: f64::NAN,
+            pressure_at_sensor: f64::NAN,
             measured_pressure: f64::NAN,
             current: [f64::NAN; 2],
             mean_current: [f64::NAN; 2],
@@ -299,9 +302,10 @@ impl Simulator {
     /// Takes a sample; the mean currents refer to the time since the last one.
     pub fn sample(&mut self) -> Sample {
         let span = (self.time_ns - self.last_sample_ns) as f64 * 1e-9;
-        let (measured_pressure, temperature) = match &self.engine {
-            Engine::Plain(solver) => (solver.state.pressure, None),
+        let (pressure_at_sensor, measured_pressure, temperature) = match &self.engine {
+            Engine::Plain(solver) => (solver.state.pressure, solver.state.pressure, None),
             Engine::Extended(solver) => (
+                solver.physics.pressure_at_sensor(&solver.state),
                 solver.physics.measured_pressure(&solver.state),
                 solver.physics.temperature(),
             ),
@@ -313,6 +317,7 @@ impl Simulator {
         let known = Sample {
             time_ns: self.time_ns,
             pressure: state.pressure,
+            pressure_at_sensor,
             measured_pressure,
             current,
             mean_current: if span > 0.0 {

@@ -25,7 +25,7 @@ pub(crate) enum SchemaName {
     Refinement,
     /// retarder.next-experiment/2, of `next-experiment`
     NextExperiment,
-    /// retarder.rigs/2, of `control --rigs`
+    /// retarder.rigs/3, of `control --rigs`
     Rigs,
     /// retarder.simulation/1, of `simulate`
     Simulation,

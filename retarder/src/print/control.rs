@@ -299,8 +299,8 @@ fn word(check: &Check) -> Entry {
 
 /// Returns the ranges of the operating conditions that differ from rig to rig.
 fn scattered_conditions(controlled: &Controlled, terminal: &Terminal) -> String {
-    let range = |of: fn(&RigVerdict) -> f64| {
-        let values = controlled.rigs.iter().map(of);
+    let range = |of: fn(&RigVerdict) -> Option<f64>| {
+        let values = controlled.rigs.iter().filter_map(of);
         let [low, high] = [f64::INFINITY, f64::NEG_INFINITY];
         values.fold([low, high], |[low, high], value| {
             [low.min(value), high.max(value)]
@@ -309,7 +309,8 @@ fn scattered_conditions(controlled: &Controlled, terminal: &Terminal) -> String 
     let [volt_min, volt_max] = range(|rig| rig.supply_voltage_v);
     let [celsius_min, celsius_max] = range(|rig| rig.coil_temperature_c);
     let conditions = controlled.scenario.conditions;
-    if conditions.supply.is_some() && conditions.coil_temperature_c.is_some() {
+    let has_coil = volt_min <= volt_max;
+    if !has_coil || conditions.supply.is_some() && conditions.coil_temperature_c.is_some() {
         return String::new();
     }
     let bench_v = controlled.scenario.scenario.plant.ecu.supply_voltage_v;
@@ -380,11 +381,13 @@ fn rigs(controlled: &Controlled, terminal: &Terminal) -> String {
     if let Some(rig) = controlled.rigs.iter().find(|rig| !rig.verdict.holds) {
         text += &paragraph(
             &format!(
-                "Rig {} (seed {}) is the first that fails: {:.1} V, coils at {:.0} °C{}.",
+                "Rig {} (seed {}) is the first that fails{}{}.",
                 rig.rig,
                 rig.seed,
-                rig.supply_voltage_v,
-                rig.coil_temperature_c,
+                match rig.supply_voltage_v.zip(rig.coil_temperature_c) {
+                    Some((volt, celsius)) => format!(": {volt:.1} V, coils at {celsius:.0} °C"),
+                    None => String::new(),
+                },
                 match faults_of(&rig.verdict).as_str() {
                     "" => String::new(),
                     faults => format!("; the ECU confirmed {faults}"),

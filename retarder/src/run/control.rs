@@ -87,13 +87,13 @@ impl Controlled {
 }
 
 /// Name and version of the JSON form of [`Rigs`].
-pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/2";
+pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/3";
 
 /// Closed loop on many rigs.
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rigs<'a> {
-    /// Name and version of this format, `retarder.rigs/2`.
+    /// Name and version of this format, `retarder.rigs/3`.
     pub(crate) schema: &'static str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,
@@ -123,10 +123,10 @@ pub(crate) struct Rig<'a> {
     pub(crate) rig: u32,
     /// Seed of the rig.
     pub(crate) seed: u64,
-    /// Supply voltage (V); at time 0, if it changes.
-    pub(crate) supply_voltage_v: f64,
-    /// Temperature of the coils (°C); at the start, if it changes.
-    pub(crate) coil_temperature_c: f64,
+    /// Supply voltage (V); at time 0, if it changes; none without coils.
+    pub(crate) supply_voltage_v: Option<f64>,
+    /// Temperature of the coils (°C); at the start, if it changes; none without coils.
+    pub(crate) coil_temperature_c: Option<f64>,
     /// Verdict on the loop with this rig.
     pub(crate) verdict: &'a Verdict,
 }

@@ -72,7 +72,7 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
     let mut not_run = Vec::new();
     let mut loops = Vec::new();
     if !without.contains(&ReportPart::Control) {
-        match plant.clone().whole() {
+        match plant.clone().for_control() {
             Ok(whole) => {
                 let on = |name: String, parameters: PlantParameters| {
                     let scenario = scenario

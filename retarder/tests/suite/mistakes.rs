@@ -515,12 +515,16 @@ fn effects_that_cannot_be_added() {
 fn a_plant_without_valves_where_both_are_needed() {
     let bench = bench();
     let vessel = data("plants/air-vessel-790kPa.toml");
-    for command in ["control", "thesis"] {
+    for (command, missing) in [
+        ("control", "fill valve that is commanded"),
+        ("tune", "fill valve that is commanded"),
+        ("thesis", "armature of the fill valve"),
+    ] {
         check(
             &bench,
             &[command, "--plant", &vessel],
             &[
-                "air-vessel-790kPa.toml: the plant has no armature of the fill valve",
+                &format!("air-vessel-790kPa.toml: the plant has no {missing}"),
                 "needs both valves and the chamber",
             ],
         );

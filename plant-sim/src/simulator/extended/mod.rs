@@ -8,7 +8,7 @@ use super::layout::Layout;
 use super::physics::MANY;
 use super::sensor::Sensor;
 use super::tolerance::Tolerance;
-use crate::additions::CoilTemperature;
+use crate::additions::{Cavity, CoilTemperature};
 use crate::hooks::Now;
 use crate::plant::{FILL, Plant, PlantState, VENT};
 
@@ -158,6 +158,14 @@ impl Extended {
             own: &self.extra[self.layout.own.0..][..self.layout.own.1],
         };
         self.sensor.shown(&self.plant.additions, &now, self.elapsed)
+    }
+
+    /// Returns the pressure where the sensor is (Pa abs): that of a second chamber. A small volume in front of the sensor belongs to the sensor.
+    pub(in crate::simulator) fn pressure_at_sensor(&self, state: &PlantState) -> f64 {
+        let cavity = self.plant.additions.cavity.as_ref();
+        let is_second = cavity.is_some_and(Cavity::is_second_chamber);
+        let second = self.sensed_cavity().filter(|_| is_second);
+        second.map_or(state.pressure, |place| self.extra[place])
     }
 
     /// Returns the index of the cavity's pressure, if the sensor measures it.
