@@ -12,9 +12,6 @@ use super::plate::{lines, plate, true_plate};
 use super::profile::commands;
 use crate::chance::Chance;
 
-/// Share of the plates of proportional valves with their characteristics.
-const WITH_CURVES: f64 = 0.5;
-
 /// Values that replace drawn ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wishes {
@@ -57,7 +54,7 @@ impl KindsDraw {
     pub fn rig(&self, number: usize) -> DrawnKind {
         let mut chance = Chance::of(self.seed, number as u64);
         let plan = KindPlan::draw(number, &self.wishes, &mut chance);
-        let lines = lines(&plan.rig, chance.happens(WITH_CURVES));
+        let lines = lines(&plan.rig);
         let plate = plate(&plan, &lines, &mut chance);
         let KindPlan { rig, logger, .. } = &plan;
         let given = [0, 1].map(|log| commands(rig, logger, log, &mut chance));

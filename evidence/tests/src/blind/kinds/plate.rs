@@ -24,6 +24,11 @@ use Certainty::{Exact, Percent, PercentAndWithin, Within};
 /// Share of the certainty that a value is off at most, so that rounding does not take it out.
 const OFF_MAX: f64 = 0.95;
 
+/// Share of the plates with the characteristics of proportional valves.
+const WITH_CURVES: f64 = 0.5;
+/// Part of the keys of a characteristic.
+const OPEN_SHARE: &str = "open_share";
+
 /// Line of a plate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Line {
@@ -43,8 +48,8 @@ fn line(key: impl Into<String>, truth: f64, certainty: Certainty, origin: &'stat
     }
 }
 
-/// Returns the lines of a rig's plate; `with_curves` adds the characteristics of proportional valves.
-pub(super) fn lines(rig: &KindRig, with_curves: bool) -> Vec<Line> {
+/// Returns the lines of a rig's plate, with the characteristics of proportional valves.
+pub(super) fn lines(rig: &KindRig) -> Vec<Line> {
     let gauge_bar = 1e-5 * (rig.supply_pa - rig.ambient_pa);
     let mut lines = vec![
         line(
@@ -90,7 +95,7 @@ pub(super) fn lines(rig: &KindRig, with_curves: bool) -> Vec<Line> {
             "data sheet, typical",
             &mut lines,
         );
-        drive(name, &valve.drive, with_curves, &mut lines);
+        drive(name, &valve.drive, &mut lines);
     }
     lines
 }
@@ -157,7 +162,7 @@ fn conductance(
     lines.push(line(key, open.critical_ratio, Within(0.1), "data sheet"));
 }
 
-fn drive(name: &str, drive: &Drive, with_curves: bool, lines: &mut Vec<Line>) {
+fn drive(name: &str, drive: &Drive, lines: &mut Vec<Line>) {
     match drive {
         Drive::OnOff(times) => {
             let guess = PercentAndWithin(25.0, 1.0);
@@ -193,22 +198,21 @@ fn drive(name: &str, drive: &Drive, with_curves: bool, lines: &mut Vec<Line>) {
                 Percent(25.0),
                 "data sheet, typical",
             ));
-            if with_curves {
-                for (quarter, share) in [25, 50, 75].into_iter().zip(valve.quarter_shares) {
-                    let key = format!("{name}_open_share_{quarter}_pct");
-                    lines.push(line(
-                        key,
-                        100.0 * share,
-                        Within(6.0),
-                        "curve of the data sheet",
-                    ));
-                }
+            for (quarter, share) in [25, 50, 75].into_iter().zip(valve.quarter_shares) {
+                let key = format!("{name}_{OPEN_SHARE}_{quarter}_pct");
+                let origin = "curve of the data sheet";
+                lines.push(line(key, 100.0 * share, Within(6.0), origin));
             }
         }
     }
 }
 
 impl Line {
+    /// Returns whether it is a point of the characteristic of a proportional valve, which some data sheets omit.
+    fn is_of_curve(&self) -> bool {
+        self.key.contains(OPEN_SHARE)
+    }
+
     /// Returns a value from which the true one is off by at most the certainty.
     fn stated(&self, chance: &mut Chance) -> f64 {
         let off = OFF_MAX * chance.between(-1.0, 1.0);
@@ -236,7 +240,11 @@ impl Line {
 /// Returns the text of a plate whose values are as far from the truth as their certainty admits.
 pub(super) fn plate(plan: &KindPlan, lines: &[Line], chance: &mut Chance) -> String {
     let mut text = head(plan.kind, &plan.logger);
+    let has_curves = chance.happens(WITH_CURVES);
     for line in lines {
+        if line.is_of_curve() && !has_curves {
+            continue;
+        }
         let value = rounded(line.stated(chance));
         put(&mut text, &line.key, value, &line.comment());
     }
