@@ -9,6 +9,9 @@ use super::super::score::finding::Finding;
 use super::super::score::{ScoreError, answers, found};
 use super::format::KindAnswer;
 
+/// Verdict that nothing is missing.
+const ADEQUATE: &str = "adequate";
+
 /// Correctness of the names of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Names {
@@ -20,6 +23,8 @@ pub enum Names {
     Wrong,
     /// No effect is named, though the rig hides some.
     Missed,
+    /// Nothing is hidden and nothing is named, but the verdict says that physics is missing or the plant file is wrong.
+    FalseAlarm,
     /// There is no finding.
     None,
 }
@@ -31,6 +36,7 @@ impl fmt::Display for Names {
             Self::InPart => "in part",
             Self::Wrong => "wrong",
             Self::Missed => "missed",
+            Self::FalseAlarm => "false alarm",
             Self::None => "no finding",
         })
     }
@@ -65,7 +71,9 @@ impl ScoredKind {
                 None => return Names::Wrong,
             }
         }
-        if left.is_empty() {
+        if self.answer.effects.is_empty() && finding.verdict != ADEQUATE {
+            Names::FalseAlarm
+        } else if left.is_empty() {
             Names::Right
         } else if finding.effects.is_empty() {
             Names::Missed
@@ -122,7 +130,7 @@ impl fmt::Display for KindsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "rig      kind            names       explained  status    s  hidden (cost in noise floors)  ->  named"
+            "rig      kind            names        explained  status    s  hidden (cost in noise floors)  ->  named"
         )?;
         self.0.iter().try_for_each(|rig| line(f, rig))?;
         let names = [
@@ -130,6 +138,7 @@ impl fmt::Display for KindsReport {
             Names::InPart,
             Names::Wrong,
             Names::Missed,
+            Names::FalseAlarm,
             Names::None,
         ];
         let counts = names.map(|names| {
@@ -152,7 +161,7 @@ fn line(f: &mut fmt::Formatter<'_>, rig: &ScoredKind) -> fmt::Result {
     let (seconds, status) = rig.run.unzip();
     writeln!(
         f,
-        "{}  {:14}  {:10}  {:>9}  {:>6}  {:>3.0}  {}  ->  {}",
+        "{}  {:14}  {:11}  {:>9}  {:>6}  {:>3.0}  {}  ->  {}",
         answer.rig,
         answer.kind,
         rig.names(),
@@ -204,5 +213,29 @@ mod tests {
         assert_eq!(said(&[first, "dead_volume"], "{}"), Names::Wrong);
         let equivalents = format!(r#"{{"dead_volume": ["dead_volume", "{second}"]}}"#);
         assert_eq!(said(&[first, "dead_volume"], &equivalents), Names::Right);
+    }
+
+    #[test]
+    fn a_plain_rig_without_a_name_is_right_only_if_nothing_is_said_to_be_missing() {
+        let wishes = Wishes {
+            effects: Some(0),
+            lengths_s: Some([2.0, 2.0]),
+            rate_hz: Some(100.0),
+        };
+        let answer = KindsDraw::new(1, 1, wishes).rig(1).answer;
+        for (verdict, names) in [
+            (ADEQUATE, Names::Right),
+            ("plant_file_wrong", Names::FalseAlarm),
+            ("not_in_library", Names::FalseAlarm),
+        ] {
+            let finding =
+                format!(r#"{{"verdict": "{verdict}", "effects": [], "error_steps": []}}"#);
+            let scored = ScoredKind {
+                answer: answer.clone(),
+                finding: Some(serde_json::from_str(&finding).unwrap()),
+                run: None,
+            };
+            assert_eq!(scored.names(), names);
+        }
     }
 }
