@@ -6,9 +6,10 @@ use std::fs;
 use super::super::draw::{DrawError, write_rig, write_rigs};
 use super::super::format::Folders;
 use super::format::{KIND_SCHEMA, KindAnswer};
+use super::known::lines;
 use super::logger::{csv, differences, run};
 use super::plan::KindPlan;
-use super::plate::{lines, plate, true_plate};
+use super::plate::{plate, true_plate};
 use super::profile::commands;
 use crate::chance::Chance;
 

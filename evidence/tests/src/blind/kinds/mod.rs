@@ -9,6 +9,7 @@
 pub mod draw;
 mod effects;
 pub mod format;
+mod known;
 mod logger;
 mod plan;
 mod plate;
