@@ -8,6 +8,7 @@ pub mod damage;
 pub mod failed_rigs;
 #[cfg(unix)]
 pub mod kills;
+pub mod kinds_plant;
 pub mod least_squares;
 pub mod plain_fit;
 pub mod reference_plant;

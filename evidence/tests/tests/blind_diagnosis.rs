@@ -1,5 +1,7 @@
 //! Small fixed part of the blind benchmark, diagnosed by the library: one development rig of each kind.
 
+mod other_kinds;
+
 use core::ops::ControlFlow;
 use std::fs;
 use std::path::PathBuf;

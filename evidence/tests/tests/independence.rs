@@ -1,6 +1,8 @@
 //! Independence of the blind benchmark: the reference plant is the thesis' model, and differs from the simulator.
 
-use retarder_tests::bench_log;
+use std::fs;
+
+use retarder_tests::bench_log::{self, repository};
 use retarder_tests::plain_fit::misfit;
 use retarder_tests::reference_plant::{Rig, Scatter, replay};
 
@@ -31,4 +33,34 @@ fn a_plain_rig_is_the_thesis_model_to_a_third_of_the_noise_and_no_better() {
             "{left:?}"
         );
     }
+}
+
+/// The physics of both plants comes from no crate of the product.
+#[test]
+fn no_plant_uses_a_crate_of_the_product() {
+    let sources = repository().join("evidence/tests/src");
+    let mut count = 0;
+    for plant in [
+        "reference_plant",
+        "reference_plant/catalogue",
+        "kinds_plant",
+    ] {
+        for entry in fs::read_dir(sources.join(plant)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                continue;
+            }
+            count += 1;
+            let text = fs::read_to_string(&path).unwrap();
+            let code = text
+                .lines()
+                .filter(|line| !line.trim_start().starts_with("//"));
+            for line in code {
+                for product in ["plant_sim", "model_lab", "recording"] {
+                    assert!(!line.contains(product), "{}: {line}", path.display());
+                }
+            }
+        }
+    }
+    assert!(count > 20, "{count} files");
 }

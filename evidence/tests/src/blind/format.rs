@@ -50,6 +50,11 @@ impl Folders {
         self.logs().join(format!("{rig}.toml"))
     }
 
+    /// Returns the plate of a rig of another kind: what a user knows of it.
+    pub fn plate(&self, rig: &str) -> PathBuf {
+        self.logs().join(format!("{rig}-plate.toml"))
+    }
+
     /// Returns the folder with the errors of the true parameters of field rigs.
     pub fn truth(&self) -> PathBuf {
         self.0.join("truth")

@@ -17,6 +17,7 @@ use std::process::ExitCode;
 pub mod draw;
 pub mod field;
 pub mod format;
+pub mod kinds;
 pub mod pairs;
 pub mod run;
 pub mod score;

@@ -31,7 +31,7 @@ mod rig;
 mod sensor;
 mod state;
 
-pub use datasheet::Datasheet;
+pub use datasheet::{Datasheet, Gas};
 pub use departures::Departures;
 pub use nozzle::{Nozzle, Subsonic};
 pub use plant::{ReferencePlant, replay};

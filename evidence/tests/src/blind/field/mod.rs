@@ -23,3 +23,5 @@ pub mod run;
 pub mod score;
 pub mod thresholds;
 pub mod truth;
+
+pub(super) use plan::{gaps, logarithmic};

@@ -175,7 +175,7 @@ impl FieldPlan {
 }
 
 /// Draws a number uniformly on a logarithmic scale.
-fn logarithmic([low, high]: [f64; 2], chance: &mut Chance) -> f64 {
+pub(in crate::blind) fn logarithmic([low, high]: [f64; 2], chance: &mut Chance) -> f64 {
     low * (high / low).powf(chance.share())
 }
 
@@ -202,7 +202,8 @@ fn command_grid(logger: &LoggerAnswer, sample_s: f64) -> usize {
     ((apart_s / sample_s).ceil() as usize).max(1)
 }
 
-fn gaps(length_s: f64, chance: &mut Chance) -> Vec<[f64; 2]> {
+/// Draws the gaps of a log of this length (s): begin and end of each (s).
+pub(in crate::blind) fn gaps(length_s: f64, chance: &mut Chance) -> Vec<[f64; 2]> {
     let count = chance.whole(0, GAPS_MAX);
     let mut gaps: Vec<[f64; 2]> = Vec::new();
     while gaps.len() < count {

@@ -45,6 +45,9 @@ pub struct Step {
     pub check_rms: BySignal,
     /// Noise floor of the signal.
     pub noise_floor: BySignal,
+    /// Share of the excess error of the refitted plain model that is explained.
+    #[serde(default)]
+    pub explained_share: Option<f64>,
     /// Number of fitted parameters.
     #[serde(default)]
     pub free_parameters: usize,

@@ -151,6 +151,7 @@ mod tests {
                 fit_rms: by_signal(1.0),
                 check_rms: by_signal((1.0 + excess * excess).sqrt()),
                 noise_floor: by_signal(1.0),
+                explained_share: None,
                 free_parameters: 10,
             }],
             candidates: vec![],

@@ -143,6 +143,7 @@ mod tests {
                 fit_rms: by_signal(2.0, 1.0),
                 check_rms: by_signal(2.0, 1.0),
                 noise_floor: by_signal(1.0, 1.0),
+                explained_share: None,
                 free_parameters: 10,
             }],
             candidates,
