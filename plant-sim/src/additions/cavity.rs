@@ -43,6 +43,7 @@ impl Cavity {
 #[cfg(test)]
 mod tests {
     use crate::effects::{EffectSetting, by_id};
+    use crate::parameters::SensorPlace;
     use crate::{Command, PlantParameters, Simulator, Tolerance};
 
     /// Returns chamber volume times pressure of both chambers (J), 0.12 s and 3 s after a pulse began that ended after 0.05 s, and their
@@ -89,5 +90,30 @@ mod tests {
         let [(begin, _), (end, equal)] = after_a_pulse(100.0);
         assert!(equal.abs() < 100.0, "{equal}");
         assert!((end / begin - 1.0).abs() < 2e-3, "{begin} {end}");
+    }
+
+    /// Behind a thin line, the second chamber follows later; the sensor shows the chamber that it is in.
+    #[test]
+    fn the_sensor_shows_the_chamber_that_it_is_in() {
+        let shown = |sensor: SensorPlace| {
+            let mut plant = PlantParameters::nominal();
+            plant.second_chamber.volume_m3 = 50e-6;
+            plant.second_chamber.conductance_dm3_per_s_bar = 0.02;
+            plant.second_chamber.critical_ratio = 0.3;
+            plant.second_chamber.sensor = sensor;
+            let mut simulator = Simulator::new(&plant);
+            simulator.command(Command {
+                duty_fill_pct: 100.0,
+                duty_vent_pct: 0.0,
+            });
+            simulator.advance_to_ns(80_000_000);
+            simulator.sample()
+        };
+        let [first, second] = [SensorPlace::Chamber, SensorPlace::SecondChamber].map(shown);
+        assert_eq!(first.pressure, second.pressure);
+        assert_eq!(first.measured_pressure, first.pressure);
+        assert_eq!(first.pressure_at_sensor, first.pressure);
+        assert_eq!(second.measured_pressure, second.pressure_at_sensor);
+        assert!(second.measured_pressure < 0.7 * first.pressure);
     }
 }

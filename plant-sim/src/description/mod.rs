@@ -14,7 +14,7 @@ pub use parameters::{Effect, EffectSetting, OwnEffects, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ProportionalValveParameters,
-    RegulatingValveParameters, SecondChamberParameters,
+    RegulatingValveParameters, SecondChamberParameters, SensorPlace,
 };
 pub(crate) use spec::{EFFECTS, effect_parameters};
 pub use spec::{ParameterSpec, Scale, Size};

@@ -107,6 +107,18 @@ pub struct SecondChamberParameters {
     pub volume_m3: f64,
     pub conductance_dm3_per_s_bar: f64,
     pub critical_ratio: f64,
+    /// Place of the pressure sensor.
+    pub sensor: SensorPlace,
+}
+
+/// Place of the pressure sensor in a plant with two chambers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SensorPlace {
+    /// In the second chamber, behind the line.
+    #[default]
+    SecondChamber,
+    /// In the chamber between the valves.
+    Chamber,
 }
 
 /// Regulating valve behind the chamber.

@@ -7,6 +7,7 @@ use crate::chamber::Chamber;
 use crate::coil::Coil;
 use crate::description::{
     EffectSetting, OnOffValveParameters, PA_PER_BAR, PlantParameters, ProportionalValveParameters,
+    SensorPlace,
 };
 use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
@@ -210,7 +211,7 @@ impl PlantParameters {
             Cavity {
                 volume: second.volume_m3,
                 tube: Tube::Line(Restriction { effective_area }, Box::new(nozzle)),
-                holds_the_sensor: true,
+                holds_the_sensor: second.sensor == SensorPlace::SecondChamber,
                 has_the_leak: true,
             }
         })

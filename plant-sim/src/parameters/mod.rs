@@ -21,7 +21,7 @@ pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
     GasParameters, Knowledge, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ParameterSpec,
     PlantParameters, ProportionalValveParameters, RegulatingValveParameters, Scale,
-    SecondChamberParameters, Size,
+    SecondChamberParameters, SensorPlace, Size,
 };
 pub use datasheet::is_datasheet_key;
 pub use error::{ParameterError, Problem};

@@ -1,5 +1,6 @@
 //! Names in a plant file that are not parameters, and special tables.
 
+use crate::description::SensorPlace;
 use crate::valve::ValveFunction;
 
 /// `[valves]`: functions of the two valves.
@@ -36,6 +37,13 @@ pub(super) const CHAMBER: &str = "chamber";
 
 /// Table that a plant with one chamber omits.
 pub(super) const SECOND_CHAMBER: &str = "second_chamber";
+
+/// Key of that table with the place of the pressure sensor, in words; a file omits the first one.
+pub(super) const SENSOR: &str = "pressure_sensor";
+pub(super) const SENSOR_PLACES: [(&str, SensorPlace); 2] = [
+    ("second_chamber", SensorPlace::SecondChamber),
+    ("chamber", SensorPlace::Chamber),
+];
 
 /// Optional table of a plant file.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";

@@ -6,7 +6,8 @@ use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
 use super::names::{
-    CHAMBER, FUNCTIONS, OMITTED_IF_0, REGULATING_VALVE, SECOND_CHAMBER, VALVE_KEYS, VALVES, VARIANT,
+    CHAMBER, FUNCTIONS, OMITTED_IF_0, REGULATING_VALVE, SECOND_CHAMBER, SENSOR, SENSOR_PLACES,
+    VALVE_KEYS, VALVES, VARIANT,
 };
 use super::own_effects;
 use super::parts::Part;
@@ -145,6 +146,10 @@ impl Reader<'_> {
                 continue;
             }
             let line = self.file.line_of_key(table, key);
+            if (section, key) == (SECOND_CHAMBER, SENSOR) {
+                self.sensor_place(line, item);
+                continue;
+            }
             let name = format!("{section}.{key}");
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
                 let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
@@ -189,6 +194,20 @@ impl Reader<'_> {
             if let Some(comment) = self.file.comment_behind(item) {
                 self.parameters.provenance.insert(name, comment.to_owned());
             }
+        }
+    }
+
+    /// Reads the place of the pressure sensor.
+    fn sensor_place(&mut self, line: usize, item: &Item) {
+        let word = item.as_str().unwrap_or(item.type_name());
+        match SENSOR_PLACES.iter().find(|(known, _)| *known == word) {
+            Some((_, place)) => self.parameters.second_chamber.sensor = *place,
+            None => self.problems.push(Problem::UnknownChoice {
+                line,
+                key: format!("{SECOND_CHAMBER}.{SENSOR}"),
+                found: word.to_owned(),
+                choices: SENSOR_PLACES.map(|(word, _)| word).to_vec(),
+            }),
         }
     }
 

@@ -3,9 +3,11 @@
 use core::fmt::Write as _;
 
 use super::knowledge;
-use super::names::{FUNCTIONS, OMITTED_IF_0, VALVE_KEYS, VALVES, VARIANT};
+use super::names::{
+    FUNCTIONS, OMITTED_IF_0, SECOND_CHAMBER, SENSOR, SENSOR_PLACES, VALVE_KEYS, VALVES, VARIANT,
+};
 use super::table::PARAMETERS;
-use crate::description::{EffectSetting, ParameterSpec, PlantParameters};
+use crate::description::{EffectSetting, ParameterSpec, PlantParameters, SensorPlace};
 
 pub(super) fn write(parameters: &PlantParameters) -> String {
     let mut text = String::from(
@@ -22,6 +24,9 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         if spec.section != section {
             section = spec.section;
             let _ = write!(text, "\n[{section}]\n");
+            if section == SECOND_CHAMBER {
+                text += &sensor_place(parameters.second_chamber.sensor);
+            }
         }
         text += &assignment(parameters, spec, value);
     }
@@ -41,6 +46,15 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         text += &effect(parameters, setting);
     }
     text
+}
+
+/// Returns the line with the place of the pressure sensor; nothing for the usual place.
+fn sensor_place(place: SensorPlace) -> String {
+    let word = SENSOR_PLACES.iter().find(|(_, known)| *known == place);
+    match word.filter(|_| place != SensorPlace::default()) {
+        Some((word, _)) => format!("{SENSOR} = \"{word}\"\n"),
+        None => String::new(),
+    }
 }
 
 fn effect(parameters: &PlantParameters, setting: &EffectSetting) -> String {

@@ -8,7 +8,7 @@ use recording::{Converter, Quantity, Recording, Signal, TimeBase, Unit, median_s
 use super::error::ReplayError;
 use super::{names, signals, supply};
 use crate::ecu_output::Command;
-use crate::parameters::{Part, PlantParameters};
+use crate::parameters::{Part, PlantParameters, SensorPlace};
 use crate::plant::{FILL, VENT};
 
 /// Input of the model at one instant of a log.
@@ -64,7 +64,7 @@ const PAUSE_STEPS: f64 = 2.5;
 const ALIKE_RATE: f64 = 1.5;
 
 /// Returns `log` with the commands and all signals that the model computes on one time base, each at its own instants.
-/// The pressure of a plant with a second chamber is `p_second`, where the log has it.
+/// The pressure of a plant whose sensor is in the second chamber is `p_second`, where the log has it.
 /// The supply voltage is an input as the supply pressure, and keeps its time base.
 pub fn united<'a>(parameters: &PlantParameters, log: &'a Recording) -> Cow<'a, Recording> {
     let is_computed = |name: &str| {
@@ -72,6 +72,7 @@ pub fn united<'a>(parameters: &PlantParameters, log: &'a Recording) -> Cow<'a, R
         DUTIES.contains(&name) || (name != SUPPLY_VOLTAGE && of_model.any(|one| one == name))
     };
     if Part::SecondChamber.is_in(parameters)
+        && parameters.second_chamber.sensor == SensorPlace::SecondChamber
         && let Some(renamed) = log.renamed(SECOND_PRESSURE, "p_ch")
     {
         return Cow::Owned(renamed.united(is_computed).into_owned());

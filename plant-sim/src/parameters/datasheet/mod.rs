@@ -21,8 +21,9 @@ use coils::{KEYS, OPENS_MA, SHUTS_MA, Sheet, Stated};
 use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, number};
-use super::names::{FUNCTIONS, OMITTED_IF_0};
-use crate::description::{Knowledge, PA_PER_BAR, ParameterSpec, PlantParameters};
+use super::names::{FUNCTIONS, OMITTED_IF_0, SENSOR};
+use super::parts::Part;
+use crate::description::{Knowledge, PA_PER_BAR, ParameterSpec, PlantParameters, SensorPlace};
 use crate::plant::{FILL, VENT};
 use crate::toml_file::{TomlFile, key_meant};
 use crate::valve::ValveFunction;
@@ -137,14 +138,23 @@ static ROWS: [Row; 65] = [
 ];
 
 /// Keys without a parameter: they describe the logger, or a plant has one value for both valves.
-const WITHOUT_PARAMETER: [&str; 7] = [
+const WITHOUT_PARAMETER: [&str; 6] = [
     "pressure_face_vent_mm",
     "sensor_range_bar",
     "logger_rate_hz",
     "rig",
     "drive",
     "currents",
-    "pressure_sensor",
+];
+/// Words for the place of the sensor in a plant with two chambers; a word of the text decides.
+const SENSOR_PLACES: [(&str, &str, SensorPlace); 3] = [
+    (
+        "second",
+        "in the second chamber",
+        SensorPlace::SecondChamber,
+    ),
+    ("each", "one in each chamber", SensorPlace::SecondChamber),
+    ("first", "in the first chamber", SensorPlace::Chamber),
 ];
 /// Kinds of the valves, in the words of a plant file.
 const VALVES: [&str; 2] = ["fill_valve", "vent_valve"];
@@ -223,6 +233,10 @@ impl PlantParameters {
             if WITHOUT_PARAMETER.contains(&key) {
                 continue;
             }
+            if key == SENSOR {
+                problems.extend(plant.place_sensor(line, item));
+                continue;
+            }
             if let Some((key, range)) = plant.of_coils(key) {
                 let mut alike = CONDUCTANCES.iter().filter(|keys| keys.contains(&key));
                 if alike.any(|keys| keys.iter().any(|key| sheet.contains_key(key))) {
@@ -256,6 +270,7 @@ impl PlantParameters {
             let Some(row) = rows().find(of_part).or_else(|| rows().next()) else {
                 let keys = ROWS.iter().map(|row| row.key).chain(WITHOUT_PARAMETER);
                 let keys = keys.chain(KEYS.iter().map(|(key, _)| *key)).chain(VALVES);
+                let keys = keys.chain([SENSOR]);
                 let near = key_meant(key, keys);
                 problems.push(Problem::UnknownKey {
                     line,
@@ -326,6 +341,7 @@ impl PlantParameters {
             let mut rows = ROWS.iter().filter(|row| row.key == key);
             VALVES.contains(&key)
                 || WITHOUT_PARAMETER.contains(&key)
+                || key == SENSOR
                 || has_coil && self.of_coils(key).is_some()
                 || rows.any(|row| self.get(row.name).is_some())
         };
@@ -334,6 +350,24 @@ impl PlantParameters {
         unused
             .map(|(key, _)| (file.line_of_key(table, key), key.to_owned()))
             .collect()
+    }
+
+    /// Places the pressure sensor; a plant with one chamber has it there.
+    fn place_sensor(&mut self, line: usize, item: &Item) -> Option<Problem> {
+        if !Part::SecondChamber.is_in(self) {
+            return None;
+        }
+        let text = item.as_str().unwrap_or(item.type_name());
+        let Some((.., place)) = SENSOR_PLACES.iter().find(|(word, ..)| text.contains(word)) else {
+            return Some(Problem::UnknownChoice {
+                line,
+                key: SENSOR.to_owned(),
+                found: text.to_owned(),
+                choices: SENSOR_PLACES.map(|(_, text, _)| text).to_vec(),
+            });
+        };
+        self.second_chamber.sensor = *place;
+        None
     }
 
     /// Returns a key, with its range, that is no parameter of a valve with a coil and from which some follow.
@@ -584,6 +618,52 @@ mod tests {
         let twice = conductance("fill_Cv = 0.073\nfill_Kv_m3_per_h = 0.063").unwrap_err();
         let expected = "`fill_Kv_m3_per_h` gives a value that another line gives as well";
         assert!(twice.to_string().contains(expected), "{twice}");
+    }
+
+    /// Defect seen: the sensor was taken for one in the second chamber, whatever the data sheet said.
+    #[test]
+    fn the_place_of_the_sensor_is_kept_in_the_plant_file() {
+        let lines = "second_volume_cm3 = 400\nline_C_dm3_per_s_bar = 0.25\nline_b = 0.2\n";
+        for (text, expected) in [
+            ("", SensorPlace::SecondChamber),
+            (
+                "pressure_sensor = \"in the second chamber\"",
+                SensorPlace::SecondChamber,
+            ),
+            (
+                "pressure_sensor = \"one in each chamber\"",
+                SensorPlace::SecondChamber,
+            ),
+            (
+                "pressure_sensor = \"in the first chamber\"",
+                SensorPlace::Chamber,
+            ),
+        ] {
+            let text = format!("{ON_OFF}\n{lines}{text}");
+            let plant = PlantParameters::from_datasheet(&text, "rig").unwrap();
+            assert_eq!(plant.second_chamber.sensor, expected, "{text}");
+            let written = PlantParameters::from_toml(&plant.to_toml(), "plant").unwrap();
+            assert_eq!(written, plant);
+        }
+        let elsewhere = format!("{ON_OFF}\n{lines}pressure_sensor = \"at the tank\"");
+        let error = PlantParameters::from_datasheet(&elsewhere, "rig").unwrap_err();
+        let said = error.to_string();
+        assert!(
+            said.contains("at the tank") && said.contains("in the first chamber"),
+            "{said}"
+        );
+        let plain = PlantParameters::from_datasheet(&format!("{ON_OFF}\n{lines}"), "rig").unwrap();
+        let wrong = plain.to_toml().replace(
+            "[second_chamber]",
+            "[second_chamber]\npressure_sensor = \"tank\"",
+        );
+        let error = PlantParameters::from_toml(&wrong, "plant").unwrap_err();
+        let said = error.to_string();
+        assert!(
+            said.contains("second_chamber.pressure_sensor")
+                && said.contains("second_chamber, chamber"),
+            "{said}"
+        );
     }
 
     /// Defect seen: such a value was ignored without a word.
