@@ -68,7 +68,8 @@ fn open_duty_pct(plant: &PlantParameters, valve: ValveId, known: I16F16) -> I16F
 const SETTLING_SAMPLES_MAX: f64 = 32.0;
 
 /// Returns the time (ms) after which the pressure has certainly followed a command to the valves of `plant`: `known` for
-/// valves with coils; the switching times of other valves, a longer PWM period and the line to a second chamber come on top. An ECU follows a limited one.
+/// valves with coils; the switching times of other valves, a longer PWM period and the line to a second chamber come on
+/// top. An ECU follows a limited time.
 fn valve_settling_ms(plant: &PlantParameters, known: I16F16) -> I16F16 {
     let nominal = PlantParameters::nominal();
     let known_ms: f64 = known.to_num();

@@ -20,7 +20,7 @@ pub mod plant;
 pub mod proportional_valve;
 pub mod regulating_valve;
 pub mod replay;
-pub mod response;
+mod response;
 pub mod resting_pressure;
 pub mod restriction;
 mod simulator;
