@@ -14,8 +14,9 @@ use recording::TimeBase;
 
 /// Number of median steps above which a pause is a gap, and number of consecutive rows without a command above which they form one; ...
 const GAP_SAMPLES: f64 = 10.0;
-/// ... for a slow logger, a pause is also a gap if it exceeds `GAP_SAMPLES` samples of the ECU and this many median steps: commands may
-/// change in it.
+/// ... for a slow logger, a pause is also a gap if it exceeds this time (s), ten samples of an ECU at 100 Hz, and this many median steps:
+/// commands may change in it.
+const UNSEEN_S: f64 = 0.1;
 const GAP_STEPS: f64 = 2.5;
 /// Time from a command in force until the valve has moved and the current no longer depends on the previous command (s).
 const SETTLE_S: f64 = 0.05;
@@ -76,7 +77,7 @@ impl Gaps {
             false => 0.0,
         };
         let unseen_s = match is_commanded {
-            true => (GAP_SAMPLES * parameters.ecu.sample_time_s).max(GAP_STEPS * step_s),
+            true => UNSEEN_S.max(GAP_STEPS * step_s),
             false => f64::INFINITY,
         };
         let pause_s = unseen_s.min(GAP_SAMPLES * step_s);
@@ -283,6 +284,21 @@ mod tests {
         let shown = (0..100).map(|row| (row, true));
         let found = Gaps::at(&plant, (&paused(11), 0.01), shown);
         assert_eq!(found.list[0].rows, 50..94);
+    }
+
+    /// Defect seen: ten samples of a slow ECU were 0.4 s, and the model held the old command through a pause of that length.
+    #[test]
+    fn a_pause_of_a_slow_logger_is_a_gap_whatever_the_sample_time() {
+        let times_s = (0..100).map(|row| 0.05 * f64::from(row + if row < 50 { 0 } else { 7 }));
+        let base = TimeBase::new(times_s.collect()).unwrap();
+        let mut plant = PlantParameters::nominal();
+        for sample_time_s in [0.01, 0.04] {
+            plant.ecu.sample_time_s = sample_time_s;
+            plant.ecu.pwm_frequency_hz = 1.0 / sample_time_s;
+            let shown = (0..100).map(|row| (row, true));
+            let found = Gaps::at(&plant, (&base, 0.05), shown);
+            assert_eq!(found.list.len(), 1, "{sample_time_s}");
+        }
     }
 
     #[test]
