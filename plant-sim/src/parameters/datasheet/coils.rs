@@ -15,7 +15,8 @@ use crate::plant::{FILL, VENT};
 use crate::valve::ValveFunction;
 
 use super::super::error::Problem;
-use super::{C_PER_CV, C_PER_KV, CONDUCTANCES, MILLI};
+use super::rows::{C_PER_CV, C_PER_KV, CONDUCTANCES, MILLI};
+use super::stated::brief;
 
 /// Values from which parameters follow, with the allowed range.
 pub(super) static KEYS: [(&str, (f64, f64)); 12] = [
@@ -175,7 +176,7 @@ impl Derivation<'_> {
         self.given.push(name);
         if !spec.contains(value) {
             let (least, most) = spec.range;
-            let value = super::brief(value);
+            let value = brief(value);
             self.problems.push(Problem::Inconsistent {
                 key: name,
                 rule: format!(
@@ -184,7 +185,7 @@ impl Derivation<'_> {
             });
             return;
         }
-        spec.put(self.plant, super::brief(value));
+        spec.put(self.plant, brief(value));
         let known = Knowledge::TolerancePct((10.0 * pct).round() / 10.0);
         self.plant.knowledge.insert(name.to_owned(), known);
         let origin = origin.to_owned();
