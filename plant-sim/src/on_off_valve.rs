@@ -1,6 +1,7 @@
 //! On/off valve without a coil: a command moves it after a delay, and it opens and closes along a ramp (E64).
 
 use crate::description::OnOffValveParameters;
+use crate::valve::Turn;
 
 /// Switching of an on/off valve: what moves it, and when.
 ///
@@ -30,9 +31,8 @@ impl Switching {
         }
     }
 
-    /// Takes over the output at `now_ns`; returns the velocity of a valve that turns now, in its whole way per second: positive if it
-    /// opens.
-    pub(crate) fn update(&mut self, now_ns: u64, is_commanded: bool) -> Option<f64> {
+    /// Takes over the output at `now_ns`; returns the motion of a valve that turns now.
+    pub(crate) fn update(&mut self, now_ns: u64, is_commanded: bool) -> Option<Turn> {
         if is_commanded != self.is_commanded {
             self.is_commanded = is_commanded;
             let delay_ns = self.delays_ns[usize::from(!is_commanded)];
@@ -40,10 +40,10 @@ impl Switching {
         }
         self.turns_ns.take_if(|turns_ns| *turns_ns <= now_ns)?;
         self.is_opening = is_commanded;
-        Some(match is_commanded {
+        Some(Turn::Moves(match is_commanded {
             true => self.ramps_s[0].recip(),
             false => -self.ramps_s[1].recip(),
-        })
+        }))
     }
 
     /// Returns the instant at which the valve turns next, if the output does not change before (ns).

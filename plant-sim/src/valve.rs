@@ -89,6 +89,15 @@ pub enum Motion {
     Stuck,
 }
 
+/// Change of the motion of a valve without a coil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Turn {
+    /// The open share begins to move with a velocity (1/s).
+    Moves(f64),
+    /// The valve rests with an open share.
+    RestsAt(f64),
+}
+
 /// State of a valve between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValveState {

@@ -46,7 +46,7 @@ pub use estimation::{
 pub(crate) use fit::logger_time::conditions_of;
 pub use knowledge::{KnowledgeError, fix, free};
 pub use known::{Known, asking_plant_file, known};
-pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement, refine};
+pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement};
 pub use remaining::MissingFlow;
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
@@ -85,17 +85,37 @@ pub fn diagnose_with(
     watch: Watch,
 ) -> Result<Diagnosis, DiagnoseError> {
     let begin = Instant::now();
+    let lag_of = estimation::lag_of_logs(plant, logs, check, watch)?;
     let inputs = Inputs {
         library,
-        plant,
+        plant: &plant.with_lag_of(lag_of),
         logs,
         check,
         watch,
     };
     let mut costs = Vec::new();
     let mut diagnosis = inputs.diagnose(&mut costs)?;
+    diagnosis.lag_of = lag_of.map(|lag_of| lag_of.word().to_owned());
     diagnosis.cost = Cost::sum(&costs, begin.elapsed().as_secs_f64());
     Ok(diagnosis)
+}
+
+/// Adds the effects of `add` (id, and the form of the law or none for the one that fits best) to `plant` and fits them to `logs` together
+/// with the nuisance parameters. Validation uses `check`, or without it, held-out blocks of the logs.
+///
+/// An effect that the plant already has is fitted again.
+///
+/// # Errors
+/// [`DiagnoseError`]: an effect or a form does not exist, a log cannot be used, or `watch` stopped the fit.
+pub fn refine(
+    plant: &PlantParameters,
+    logs: &[Recording],
+    check: &[Recording],
+    add: &[(String, Option<String>)],
+    watch: Watch,
+) -> Result<Refined, DiagnoseError> {
+    let lag_of = estimation::lag_of_logs(plant, logs, check, watch)?;
+    refine::refine(&plant.with_lag_of(lag_of), logs, check, add, watch)
 }
 
 /// Returns the unexplained residual of `plant` on `logs` after its nuisance parameters and its effects are fitted, without a search for

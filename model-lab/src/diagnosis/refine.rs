@@ -89,14 +89,11 @@ pub struct FittedEffect {
     pub physics: String,
 }
 
-/// Adds the effects of `add` (id, and the form of the law or none for the one that fits best) to `plant` and fits them to `logs` together
-/// with the nuisance parameters. Validation uses `check`, or without it, held-out blocks of the logs.
-///
-/// An effect that the plant already has is fitted again.
+/// Refines as [`super::refine()`] does, with the part that lags in proportional valves as in `plant`.
 ///
 /// # Errors
-/// [`DiagnoseError`]: an effect or a form does not exist, a log cannot be used, or `watch` stopped the fit.
-pub fn refine(
+/// As [`super::refine()`].
+pub(super) fn refine(
     plant: &PlantParameters,
     logs: &[Recording],
     check: &[Recording],
@@ -113,7 +110,9 @@ pub fn refine(
         .collect::<Result<Vec<_>, _>>()?;
     let without = add
         .iter()
-        .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
+        .fold(plant.clone(), |plant, (id, _)| {
+            plant.without_effect(id)
+        });
     report(watch, "the plain model", 0.0)?;
     let (mut split, plain) = Split::that_shows(&without, logs, check)?;
     let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;

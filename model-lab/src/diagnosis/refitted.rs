@@ -154,6 +154,7 @@ impl<'a> Refitted<'a> {
             starts: split.starts(),
             conditions,
             held_out: split.held_out().to_owned(),
+            lag_of: None,
             horizon: split.horizon(),
             adds_up,
             predictor: predictor::statement(split.horizon()).to_owned(),

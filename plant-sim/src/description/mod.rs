@@ -13,8 +13,8 @@ pub(crate) use knowledge::middle;
 pub use parameters::{Effect, EffectSetting, OwnEffects, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ProportionalValveParameters,
-    RegulatingValveParameters, SecondChamberParameters, SensorPlace,
+    GasParameters, LagOf, MagnetParameters, OnOffValveParameters, PA_PER_BAR,
+    ProportionalValveParameters, RegulatingValveParameters, SecondChamberParameters, SensorPlace,
 };
 pub(crate) use spec::{EFFECTS, effect_parameters};
 pub use spec::{ParameterSpec, Scale, Size};

@@ -76,6 +76,18 @@ pub struct ProportionalValveParameters {
     pub above_line_25_pct: f64,
     pub above_line_50_pct: f64,
     pub above_line_75_pct: f64,
+    /// Part of the valve that follows with the lag; none where the plant file leaves this open.
+    pub lag_of: Option<LagOf>,
+}
+
+/// Part of a proportional valve that follows with a lag.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LagOf {
+    /// The spool follows the command, and its position gives the opening.
+    #[default]
+    Spool,
+    /// The opening follows what the command gives at rest.
+    Opening,
 }
 
 /// Gas, and the pressures around the plant.

@@ -6,8 +6,8 @@ use crate::armature::Armature;
 use crate::chamber::Chamber;
 use crate::coil::Coil;
 use crate::description::{
-    EffectSetting, OnOffValveParameters, PA_PER_BAR, PlantParameters, ProportionalValveParameters,
-    SensorPlace,
+    EffectSetting, LagOf, OnOffValveParameters, PA_PER_BAR, PlantParameters,
+    ProportionalValveParameters, SensorPlace,
 };
 use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
@@ -160,6 +160,30 @@ impl PlantParameters {
     /// Returns the parameters of the proportional valve in the place `index`.
     pub(crate) fn proportional(&self, index: usize) -> &ProportionalValveParameters {
         [&self.proportional_fill, &self.proportional_vent][index]
+    }
+
+    pub(super) fn proportional_mut(&mut self, index: usize) -> &mut ProportionalValveParameters {
+        match index {
+            FILL => &mut self.proportional_fill,
+            _ => &mut self.proportional_vent,
+        }
+    }
+
+    /// Returns the places of the proportional valves of which the plant file leaves open which part lags.
+    pub fn with_open_lag(&self) -> impl Iterator<Item = usize> {
+        [FILL, VENT].into_iter().filter(|&valve| {
+            self.functions[valve] == ValveFunction::Proportional
+                && self.proportional(valve).lag_of.is_none()
+        })
+    }
+
+    /// Returns the plant with this part that lags in each proportional valve that leaves it open.
+    pub fn with_lag_of(&self, lag_of: Option<LagOf>) -> Self {
+        let mut plant = self.clone();
+        for valve in self.with_open_lag() {
+            plant.proportional_mut(valve).lag_of = lag_of;
+        }
+        plant
     }
 
     fn on_off_valve(&self, index: usize) -> Valve {

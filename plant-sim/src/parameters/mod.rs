@@ -19,8 +19,8 @@ mod write;
 
 pub use crate::description::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,
-    GasParameters, Knowledge, MagnetParameters, OnOffValveParameters, PA_PER_BAR, ParameterSpec,
-    PlantParameters, ProportionalValveParameters, RegulatingValveParameters, Scale,
+    GasParameters, Knowledge, LagOf, MagnetParameters, OnOffValveParameters, PA_PER_BAR,
+    ParameterSpec, PlantParameters, ProportionalValveParameters, RegulatingValveParameters, Scale,
     SecondChamberParameters, SensorPlace, Size,
 };
 pub use datasheet::is_datasheet_key;

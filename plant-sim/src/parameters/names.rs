@@ -1,6 +1,6 @@
 //! Names in a plant file that are not parameters, and special tables.
 
-use crate::description::SensorPlace;
+use crate::description::{LagOf, SensorPlace};
 use crate::valve::ValveFunction;
 
 /// `[valves]`: functions of the two valves.
@@ -44,6 +44,28 @@ pub(super) const SENSOR_PLACES: [(&str, SensorPlace); 2] = [
     ("second_chamber", SensorPlace::SecondChamber),
     ("chamber", SensorPlace::Chamber),
 ];
+
+/// Tables of proportional valves, and their key with the part that lags, in words.
+pub(super) const PROPORTIONAL: [&str; 2] = ["proportional_fill", "proportional_vent"];
+pub(super) const LAG_OF: &str = "lag_of";
+pub(super) const LAGS: [(&str, LagOf); 2] = [("spool", LagOf::Spool), ("opening", LagOf::Opening)];
+
+impl LagOf {
+    /// Returns its word in a plant file.
+    pub fn word(self) -> &'static str {
+        let [(spool, _), (opening, _)] = LAGS;
+        match self {
+            Self::Spool => spool,
+            Self::Opening => opening,
+        }
+    }
+
+    /// Returns the part with this word.
+    pub fn of_word(word: &str) -> Option<Self> {
+        let known = LAGS.iter().find(|(known, _)| *known == word);
+        known.map(|(_, lag_of)| *lag_of)
+    }
+}
 
 /// Optional table of a plant file.
 pub(super) const REGULATING_VALVE: &str = "regulating_valve";

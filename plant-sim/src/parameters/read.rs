@@ -6,8 +6,8 @@ use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
 use super::names::{
-    CHAMBER, FUNCTIONS, OMITTED_IF_0, REGULATING_VALVE, SECOND_CHAMBER, SENSOR, SENSOR_PLACES,
-    VALVE_KEYS, VALVES, VARIANT,
+    CHAMBER, FUNCTIONS, LAG_OF, LAGS, OMITTED_IF_0, PROPORTIONAL, REGULATING_VALVE, SECOND_CHAMBER,
+    SENSOR, SENSOR_PLACES, VALVE_KEYS, VALVES, VARIANT,
 };
 use super::own_effects;
 use super::parts::Part;
@@ -146,11 +146,20 @@ impl Reader<'_> {
                 continue;
             }
             let line = self.file.line_of_key(table, key);
+            let name = format!("{section}.{key}");
             if (section, key) == (SECOND_CHAMBER, SENSOR) {
-                self.sensor_place(line, item);
+                if let Some(place) = self.choice((line, name), item, &SENSOR_PLACES) {
+                    self.parameters.second_chamber.sensor = place;
+                }
                 continue;
             }
-            let name = format!("{section}.{key}");
+            if key == LAG_OF
+                && let Some(valve) = PROPORTIONAL.iter().position(|table| *table == section)
+            {
+                self.parameters.proportional_mut(valve).lag_of =
+                    self.choice((line, name), item, &LAGS);
+                continue;
+            }
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
                 let suggestion = in_other_unit(key, specs.iter()).map(|(spec, factor)| {
                     // The key is present, though in the wrong unit: it is not missing as well.
@@ -197,18 +206,24 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the place of the pressure sensor.
-    fn sensor_place(&mut self, line: usize, item: &Item) {
+    /// Reads one of these words; records a problem where it is another one.
+    fn choice<T: Copy>(
+        &mut self,
+        (line, key): (usize, String),
+        item: &Item,
+        choices: &[(&'static str, T)],
+    ) -> Option<T> {
         let word = item.as_str().unwrap_or(item.type_name());
-        match SENSOR_PLACES.iter().find(|(known, _)| *known == word) {
-            Some((_, place)) => self.parameters.second_chamber.sensor = *place,
-            None => self.problems.push(Problem::UnknownChoice {
+        let found = choices.iter().find(|(known, _)| *known == word);
+        if found.is_none() {
+            self.problems.push(Problem::UnknownChoice {
                 line,
-                key: format!("{SECOND_CHAMBER}.{SENSOR}"),
-                found: word.to_owned(),
-                choices: SENSOR_PLACES.map(|(word, _)| word).to_vec(),
-            }),
+                key,
+                found: shown(word),
+                choices: choices.iter().map(|(known, _)| *known).collect(),
+            });
         }
+        found.map(|(_, choice)| *choice)
     }
 
     /// Reads `[effects]`: one table per effect, with `variant` and the variant's parameters in each. The ids begin with
@@ -307,7 +322,7 @@ impl Reader<'_> {
                 });
                 continue;
             };
-            let Some(word) = item.as_str() else {
+            if item.as_str().is_none() {
                 self.problems.push(Problem::WrongType {
                     line,
                     key: name,
@@ -315,15 +330,9 @@ impl Reader<'_> {
                     expected: "a text, such as \"normally_closed\"",
                 });
                 continue;
-            };
-            match FUNCTIONS.iter().find(|(known, _)| *known == word) {
-                Some(&(_, function)) => self.parameters.functions[index] = function,
-                None => self.problems.push(Problem::UnknownChoice {
-                    line,
-                    key: name,
-                    found: shown(word),
-                    choices: FUNCTIONS.iter().map(|(known, _)| *known).collect(),
-                }),
+            }
+            if let Some(function) = self.choice((line, name), item, &FUNCTIONS) {
+                self.parameters.functions[index] = function;
             }
         }
     }

@@ -4,7 +4,8 @@ use core::fmt::Write as _;
 
 use super::knowledge;
 use super::names::{
-    FUNCTIONS, OMITTED_IF_0, SECOND_CHAMBER, SENSOR, SENSOR_PLACES, VALVE_KEYS, VALVES, VARIANT,
+    FUNCTIONS, LAG_OF, OMITTED_IF_0, PROPORTIONAL, SECOND_CHAMBER, SENSOR, SENSOR_PLACES,
+    VALVE_KEYS, VALVES, VARIANT,
 };
 use super::table::PARAMETERS;
 use crate::description::{EffectSetting, ParameterSpec, PlantParameters, SensorPlace};
@@ -18,7 +19,9 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         let Some(value) = spec.value(parameters) else {
             continue;
         };
-        if OMITTED_IF_0.contains(&(spec.section, spec.key)) && value == 0.0 {
+        let may_be_omitted = OMITTED_IF_0.contains(&(spec.section, spec.key))
+            && !parameters.knowledge.contains_key(&spec.name());
+        if may_be_omitted && value == 0.0 {
             continue;
         }
         if spec.section != section {
@@ -26,6 +29,9 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
             let _ = write!(text, "\n[{section}]\n");
             if section == SECOND_CHAMBER {
                 text += &sensor_place(parameters.second_chamber.sensor);
+            }
+            if let Some(valve) = PROPORTIONAL.iter().position(|table| *table == section) {
+                text += &lag_of(parameters, valve);
             }
         }
         text += &assignment(parameters, spec, value);
@@ -53,6 +59,14 @@ fn sensor_place(place: SensorPlace) -> String {
     let word = SENSOR_PLACES.iter().find(|(_, known)| *known == place);
     match word.filter(|_| place != SensorPlace::default()) {
         Some((word, _)) => format!("{SENSOR} = \"{word}\"\n"),
+        None => String::new(),
+    }
+}
+
+/// Returns the line with the part of a proportional valve that lags; nothing where that is open.
+fn lag_of(parameters: &PlantParameters, valve: usize) -> String {
+    match parameters.proportional(valve).lag_of {
+        Some(lag_of) => format!("{LAG_OF} = \"{}\"\n", lag_of.word()),
         None => String::new(),
     }
 }

@@ -39,7 +39,7 @@ use crate::on_off_valve::Switching;
 use crate::parameters::PlantParameters;
 use crate::plant::{FILL, Plant, PlantState, VENT};
 use crate::proportional_valve::Positioning;
-use crate::valve::{Motion, ValveFunction};
+use crate::valve::{Motion, Turn, ValveFunction};
 pub use extended::EffectState;
 use extended::Extended;
 use physics::Physics;
@@ -341,12 +341,11 @@ impl Simulator {
         while self.time_ns < end_ns {
             let high = self.ecu_output.update(self.time_ns);
             self.apply_outputs(high);
-            let turns_ns = self
-                .switching
-                .iter()
-                .flatten()
-                .filter_map(Switching::next_turn_ns);
-            let next_ns = turns_ns
+            let switching = self.switching.iter().flatten();
+            let positioning = self.positioning.iter().flatten();
+            let next_ns = switching
+                .filter_map(Switching::next_turn_ns)
+                .chain(positioning.filter_map(Positioning::next_turn_ns))
                 .fold(self.ecu_output.next_edge_ns(self.time_ns), u64::min)
                 .min(end_ns);
             let duration = (next_ns - self.time_ns) as f64 * 1e-9;
@@ -362,15 +361,16 @@ impl Simulator {
         either!(&mut self.engine, solver => drive(solver, coils, self.supply_voltage));
         for (valve, high) in high.into_iter().enumerate() {
             let switching = self.switching[valve].as_mut();
-            if let Some(velocity) = switching.and_then(|one| one.update(self.time_ns, high)) {
-                either!(&mut self.engine, solver => turn(solver, valve, velocity));
+            if let Some(to) = switching.and_then(|one| one.update(self.time_ns, high)) {
+                either!(&mut self.engine, solver => turn(solver, valve, to));
             }
         }
         for (valve, command_pct) in self.ecu_output.in_force_pct().into_iter().enumerate() {
             let share = self.state().valves[valve].x / self.plant().valves[valve].armature.stroke;
             let positioning = self.positioning[valve].as_mut();
-            if let Some(velocity) = positioning.and_then(|one| one.update(command_pct, share)) {
-                either!(&mut self.engine, solver => turn(solver, valve, velocity));
+            let update = |one: &mut Positioning| one.update(self.time_ns, command_pct, share);
+            if let Some(to) = positioning.and_then(update) {
+                either!(&mut self.engine, solver => turn(solver, valve, to));
             }
         }
         if let Engine::Extended(solver) = &mut self.engine {
@@ -380,18 +380,21 @@ impl Simulator {
     }
 }
 
-/// Sets a valve without a coil into motion with `velocity`, in its whole way per second.
-fn turn<P: Physics>(solver: &mut Solver<P>, valve: usize, velocity: f64) {
+/// Changes the motion of a valve without a coil.
+fn turn<P: Physics>(solver: &mut Solver<P>, valve: usize, to: Turn) {
     let stroke = solver.physics.plant().valves[valve].armature.stroke;
     let state = &mut solver.state.valves[valve];
-    let is_there = if velocity > 0.0 {
-        state.x >= stroke
-    } else {
-        state.x <= 0.0
-    };
-    if !is_there {
-        state.v = velocity * stroke;
-        state.motion = Motion::Moving;
+    match to {
+        // It stays at its stop.
+        Turn::Moves(velocity) if velocity > 0.0 && state.x >= stroke => {}
+        Turn::Moves(velocity) if velocity <= 0.0 && state.x <= 0.0 => {}
+        Turn::Moves(velocity) => {
+            (state.v, state.motion) = (velocity * stroke, Motion::Moving);
+        }
+        Turn::RestsAt(share) => {
+            (state.x, state.v) = (share * stroke, 0.0);
+            state.motion = Motion::Stuck;
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 mod determination;
 #[cfg(test)]
 mod effect_tests;
+mod lag;
 mod profile;
 mod result;
 mod rounds;
@@ -33,6 +34,7 @@ use super::search::assemble;
 use super::search::{Watch, report};
 pub(super) use determination::DETERMINED;
 use determination::estimated_parameters;
+pub(super) use lag::lag_of_logs;
 use result::Left;
 pub use result::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation,
@@ -79,7 +81,8 @@ fn estimate_with(
         return Err(DiagnoseError::NoLog);
     }
     report(watch, "clocks of the loggers", 0.0)?;
-    let mut plant = with_logged_supply(plant, logs.iter().chain(check));
+    let lag_of = lag_of_logs(plant, logs, check, watch)?;
+    let mut plant = with_logged_supply(&plant.with_lag_of(lag_of), logs.iter().chain(check));
     state_first_file(&mut plant);
     let plant = &plant;
     let mut split = Split::as_given(plant, logs, check)?;

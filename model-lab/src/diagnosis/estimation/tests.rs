@@ -2,7 +2,7 @@ use core::ops::ControlFlow;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
-use plant_sim::parameters::Knowledge;
+use plant_sim::parameters::{Knowledge, LagOf};
 use recording::Recording;
 
 use super::*;
@@ -322,7 +322,31 @@ fn on_off_valves_known_from_data_sheets_are_estimated() {
 #[test]
 fn proportional_valves_known_from_data_sheets_are_estimated() {
     let sheet = PlantParameters::from_datasheet(PROPORTIONAL, "data sheet").unwrap();
-    let mut rig = sheet.clone();
+    let rig = proportional_rig(&sheet, None);
+    let [fitted, check] = [1, 2].map(|seed| proportional_log(&rig, seed));
+    let found = estimated(&sheet, &[fitted], &[check]);
+    assert_is_estimated(&found.estimation, &rig);
+}
+
+/// Defect seen: the opening of the model lagged where the spool of the rig did. Errors of 25 noise floors remained, and an effect was searched
+/// for ten minutes.
+#[test]
+fn the_part_of_a_valve_that_lags_is_found_in_the_log() {
+    let sheet = PlantParameters::from_datasheet(PROPORTIONAL, "data sheet").unwrap();
+    for lag_of in [LagOf::Spool, LagOf::Opening] {
+        let rig = proportional_rig(&sheet, Some(lag_of));
+        let log = proportional_log(&rig, 1);
+        let watch = |_| ControlFlow::Continue(());
+        let found = lag_of_logs(&sheet, std::slice::from_ref(&log), &[], &watch).unwrap();
+        assert_eq!(found, Some(lag_of));
+        let stated = lag_of_logs(&rig, &[log], &[], &watch).unwrap();
+        assert_eq!(stated, None, "the plant file states it");
+    }
+}
+
+/// Returns a rig with other values than its data sheet.
+fn proportional_rig(sheet: &PlantParameters, lag_of: Option<LagOf>) -> PlantParameters {
+    let mut rig = sheet.with_lag_of(lag_of);
     for (name, value) in [
         ("chamber.volume_m3", 440e-6),
         ("proportional_fill.conductance_dm3_per_s_bar", 0.7),
@@ -335,6 +359,10 @@ fn proportional_valves_known_from_data_sheets_are_estimated() {
     ] {
         rig.set(name, value, "truth").unwrap();
     }
+    rig
+}
+
+fn proportional_log(rig: &PlantParameters, seed: u64) -> Recording {
     let steps = [20.0, 35.0, 50.0, 70.0, 100.0, 28.0, 60.0, 85.0];
     let phases: Vec<_> = steps
         .into_iter()
@@ -349,12 +377,8 @@ fn proportional_valves_known_from_data_sheets_are_estimated() {
         .cycle()
         .take(64)
         .collect();
-    let [fitted, check] = [1, 2].map(|seed| {
-        let logger = (LoggerClock::default(), 5e-3);
-        pressure_alone(&logged_through(&rig, logger, seed, &phases))
-    });
-    let found = estimated(&sheet, &[fitted], &[check]);
-    assert_is_estimated(&found.estimation, &rig);
+    let logger = (LoggerClock::default(), 5e-3);
+    pressure_alone(&logged_through(rig, logger, seed, &phases))
 }
 
 /// Defect seen: pulses of 1.76 and 1.80 ms lay around a delay, on one side of which the fit stayed: 81 % of the error was explained by the

@@ -85,6 +85,9 @@ pub struct Diagnosis {
     pub rival_effects: Vec<String>,
     /// Every effect of the library that acts on a part of the plant, by falling explained share.
     pub candidates: Vec<Candidate>,
+    /// Part of the proportional valves that lags, `spool` or `opening`, where the plant file leaves it open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_of: Option<String>,
     /// Parameters that may differ from rig to rig without missing physics, as fitted with the named effects.
     pub nuisance: Vec<NuisanceValue>,
     /// Location of the excess error.

@@ -2,7 +2,7 @@
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::EffectSetting;
-use plant_sim::parameters::ParameterSpec;
+use plant_sim::parameters::{LagOf, ParameterSpec};
 
 use super::{Candidate, DetectionLimit, Diagnosis};
 use crate::diagnosis::nuisance::{Nuisance, Shows, nuisances};
@@ -15,7 +15,8 @@ impl Diagnosis {
     /// Returns the plants of the first and the last error step: `plant` with its nuisance parameters refitted, and the same with the named
     /// effects. `plant` is the one that was diagnosed.
     pub fn plain_and_refined(&self, plant: &PlantParameters) -> [PlantParameters; 2] {
-        let [mut plain, mut refined] = [plant.clone(), plant.clone()];
+        let lag_of = self.lag_of.as_deref().and_then(LagOf::of_word);
+        let [mut plain, mut refined] = [plant, plant].map(|plant| plant.with_lag_of(lag_of));
         let nuisances = nuisances(plant, Shows::EVERYTHING);
         for value in &self.nuisance {
             let of_value = |nuisance: &&Nuisance| nuisance.spec.name() == value.name;

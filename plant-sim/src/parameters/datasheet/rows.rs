@@ -132,6 +132,9 @@ pub(super) const SENSOR_PLACES: [(&str, &str, SensorPlace); 3] = [
 ];
 /// Kinds of the valves, in the words of a plant file.
 pub(super) const VALVES: [&str; 2] = ["fill_valve", "vent_valve"];
+/// Begin of the keys of a characteristic, and the distance from a straight line (%) that they may have where the data sheet gives none.
+pub(super) const ABOVE_LINE: &str = "above_line";
+pub(super) const CURVATURE_PCT: f64 = 15.0;
 /// Value that only a proportional valve has.
 pub(super) const TIME_CONSTANTS: [&str; 2] = ["fill_time_constant_ms", "vent_time_constant_ms"];
 /// Values of which an on/off and a proportional valve have one.
