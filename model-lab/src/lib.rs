@@ -12,6 +12,7 @@ mod error;
 mod found_conditions;
 mod free_run;
 mod gaps;
+mod gas_after_gap;
 mod log_start;
 mod measured;
 mod metrics;

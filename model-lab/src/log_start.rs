@@ -5,6 +5,7 @@ use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
 use crate::conditions::{Conditions, UsualGas};
+use crate::gas_after_gap::Gas;
 use crate::measured::{Measured, PRESSURE, Restart};
 
 /// Relative pressure above ambient from which on a chamber counts as filled.
@@ -165,10 +166,36 @@ impl LogStart {
         }
     }
 
-    /// Restarts at the measured pressure where row `index` is the last one of a gap.
-    pub(crate) fn restart(&self, replay: &mut Replay, index: usize) {
-        if let Some(restart) = Restart::at(&self.restarts, index) {
-            replay.begin_showing(restart.pressure);
+    /// Restarts at the measured pressure where row `index` is the last one of a gap. `ahead` returns the rows after it in the time of the
+    /// ECU, each with its measured pressure (bar gauge; NaN where missing).
+    ///
+    /// Commands in the gap leave the gas at an unknown temperature. Where that is a state of the plant, the pressures that follow show it.
+    pub(crate) fn restart<I: Iterator<Item = (ReplayInput, f64)>>(
+        &self,
+        replay: &mut Replay,
+        index: usize,
+        ahead: impl Fn() -> I,
+    ) {
+        let Some(restart) = Restart::at(&self.restarts, index) else {
+            return;
+        };
+        replay.begin_showing(restart.pressure);
+        let is_last = Restart::at(&self.restarts, index + 1).is_none();
+        if is_last && replay.simulator().has_gas_temperature() {
+            let errors = |gas: &Gas| {
+                let mut replay = replay.clone();
+                gas.put(&mut replay, self.wall_k);
+                let end_ns = replay.time_ns() + Gas::SHOWN_NS;
+                let rows = ahead().take_while(|(input, _)| input.time_ns < end_ns);
+                let errors = rows.map(|(input, measured_bar)| {
+                    let row = self.row(&mut replay, input, 1.0)?;
+                    Some(measured_bar - row[self.pressure_place])
+                });
+                errors.collect()
+            };
+            if let Some(gas) = Gas::after_gap(restart, &self.usual_gas, errors) {
+                gas.put(replay, self.wall_k);
+            }
         }
     }
 }

@@ -85,6 +85,8 @@ pub(crate) struct Restart {
     pub(crate) pressure: f64,
     /// Variance of that pressure over that of the noise.
     pub(crate) variance: f64,
+    /// Standard deviation of the noise (bar).
+    pub(crate) noise_bar: f64,
 }
 
 impl Restart {
@@ -280,6 +282,7 @@ fn restarts(shown: &[f64], commands: &Commands, sigma: f64, ambient: f64) -> Vec
             row,
             pressure: pressure(level_bar),
             variance: 1.0 / present(&shown[rows]).count() as f64,
+            noise_bar: sigma,
         });
         let behind = commands
             .times_s
@@ -289,6 +292,7 @@ fn restarts(shown: &[f64], commands: &Commands, sigma: f64, ambient: f64) -> Vec
             row,
             pressure: pressure(shown_bar),
             variance: 1.0,
+            noise_bar: sigma,
         });
         let sound = rows.filter(|restart| restart.pressure >= least_pressure());
         Some(sound.chain(last))

@@ -39,6 +39,8 @@ pub(crate) struct Setup<'a> {
     conditions: &'a LogConditions,
     /// Start of the simulation, and its restarts after gaps.
     pub(crate) start: LogStart,
+    /// Measured chamber pressure (bar gauge), NaN where missing.
+    pressure_bar: Option<Arc<Vec<f64>>>,
     watch: Option<Watch<'a>>,
 }
 
@@ -119,6 +121,7 @@ impl<'a> Setup<'a> {
             tolerance,
             conditions,
             start: LogStart::at_rest(parameters).supplied(supply_pressure),
+            pressure_bar: None,
             watch: None,
         })
     }
@@ -143,6 +146,7 @@ impl<'a> Setup<'a> {
     /// Starts where the measured `pressure` starts, at `level` (Pa abs) where that is away from ambient.
     pub(crate) fn begin_at(&mut self, pressure: Option<&Measured>, level: Option<f64>) {
         let command = self.inputs.row(0).command;
+        self.pressure_bar = pressure.map(|signal| signal.values.clone());
         self.start = LogStart::at(self.parameters, pressure, level, command)
             .supplied(self.inputs.first_supply_pressure());
     }
@@ -180,6 +184,15 @@ impl<'a> Setup<'a> {
         self.start.warmth(replay, conditions, row.time_s)
     }
 
+    /// Restarts the model where row `index` is the last one of a gap.
+    fn restart(&self, replay: &mut Replay, index: usize) {
+        self.start.restart(replay, index, || {
+            let pressure = |row: usize| self.pressure_bar.as_ref().map_or(f64::NAN, |bar| bar[row]);
+            let rows = self.rows().skip(index + 1);
+            rows.map(move |row| (row.input, pressure(row.index)))
+        });
+    }
+
     /// Returns the model's row at the instant of `row`.
     fn row(&self, row: &TimedRow, replay: &mut Replay) -> Result<Row, CompareError> {
         let warmth = self.warmth(row, replay);
@@ -194,7 +207,7 @@ impl<'a> Setup<'a> {
         for row in self.rows() {
             self.count_row()?;
             columns.push(self.row(&row, &mut replay)?);
-            self.start.restart(&mut replay, row.index);
+            self.restart(&mut replay, row.index);
         }
         Ok(columns)
     }
@@ -234,7 +247,7 @@ impl<'a> Setup<'a> {
                     0.0
                 },
             });
-            self.start.restart(&mut replay, row.index);
+            self.restart(&mut replay, row.index);
             let measured_bar =
                 measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
             self.start
@@ -283,7 +296,7 @@ impl<'a> Setup<'a> {
             };
             fine.columns.push(self.row(&row, &mut replay)?);
             fine.times_s.push(log_ns as f64 * 1e-9);
-            self.start.restart(&mut replay, row.index);
+            self.restart(&mut replay, row.index);
             last_ns = Some(input.time_ns);
             fine.rows = row.index + 1;
         }

@@ -110,9 +110,7 @@ pub(super) fn refine(
         .collect::<Result<Vec<_>, _>>()?;
     let without = add
         .iter()
-        .fold(plant.clone(), |plant, (id, _)| {
-            plant.without_effect(id)
-        });
+        .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
     report(watch, "the plain model", 0.0)?;
     let (mut split, plain) = Split::that_shows(&without, logs, check)?;
     let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;

@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use plant_sim::effects::{EffectSetting, by_id};
+use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::{CurrentSampling, Replay, ReplayInput};
 use plant_sim::valve::ValveFunction;
 use plant_sim::{PlantParameters, Tolerance};
@@ -12,7 +13,7 @@ use super::diagnose;
 use super::fit::gather::gather;
 use super::fit::split::Split;
 use super::result::Verdict;
-use crate::bench::Bench;
+use crate::bench::{Bench, logged_through, without_rows};
 use crate::metrics::rms;
 use crate::noise::Noise;
 use crate::result::Horizon;
@@ -142,6 +143,37 @@ fn a_thermometer_is_fitted_where_the_gas_has_a_temperature() {
         "{}",
         reason.reason
     );
+}
+
+/// Defect seen: after a gap in which a chamber was filled, the gas of the model had the temperature of the wall. With the true values, 54 noise
+/// floors remained, and a second effect was not found.
+#[test]
+fn gas_is_as_warm_after_a_gap_as_the_pressures_show() {
+    let mut plant = PlantParameters::nominal();
+    plant.chamber.volume_m3 = 500e-6;
+    let plant = plant.with_effect(gas_temperature(0.4));
+    let phases = [
+        (1.0, 0.0, 0.0),
+        (1.0, 100.0, 0.0),
+        (4.0, 0.0, 0.0),
+        (0.6, 0.0, 100.0),
+        (4.0, 0.0, 0.0),
+    ];
+    let log = logged_through(&plant, (LoggerClock::default(), 2e-3), 3, &phases);
+    // Without rows from 1.1 to 2.6 s, 0.6 s after the end of the filling, and at the end of the venting.
+    let log = without_rows(&without_rows(&log, 3_200..3_400), 550..1_300);
+    let evidence = gather(&plant, [&log]).unwrap();
+    for horizon in [Horizon::OneStepAhead, Horizon::FreeRun] {
+        let residuals = evidence.residuals(&plant, horizon).unwrap();
+        let (.., pressure) = evidence.channels().next().unwrap();
+        let errors = residuals[pressure].iter().copied();
+        let errors: Vec<f64> = errors.filter(|error| *error != 0.0).collect();
+        let floors = rms(&errors).unwrap();
+        assert!((0.8..1.5).contains(&floors), "{horizon:?}: {floors}");
+    }
+    let comparison = compare(&plant, &log, &CompareOptions::default()).unwrap();
+    let rms = comparison.signals[0].free_run.rms;
+    assert!(rms < 4e-3, "{rms}");
 }
 
 /// With the effect `gas_temperature`, a warm log begins with warm gas, and the thermometer determines its temperature.

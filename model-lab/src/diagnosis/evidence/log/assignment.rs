@@ -150,8 +150,8 @@ impl Log {
         conditions: &Conditions,
         issued_ns: &[u64],
     ) -> f64 {
-        let errors = rows.zip(issued_ns).map(|(row, &issued_ns)| {
-            let timing = (conditions, Some(issued_ns));
+        let errors = rows.map(|row| {
+            let timing = (conditions, issued_ns);
             self.step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .map_or(f64::INFINITY, |values| self.square_error(&values, row))
         });
@@ -193,17 +193,16 @@ impl Log {
                     issued_ns[next - row] = second * sample_time_ns;
                     issued_ns[0] = first * sample_time_ns;
                 };
-                let loss = |pair: [u64; 2]| {
-                    let mut trial = issued_ns[row..until].to_vec();
-                    assigned(pair, &mut trial);
-                    self.loss(replay.clone(), row..until, &conditions, &trial)
+                let mut loss = |pair: [u64; 2]| {
+                    assigned(pair, &mut issued_ns[row..]);
+                    self.loss(replay.clone(), row..until, &conditions, issued_ns)
                 };
                 let tried = pairs.into_iter().map(|pair| (loss(pair), pair));
                 if let Some((_, best)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
                     assigned(best, &mut issued_ns[row..]);
                 }
             }
-            let timing = (&conditions, Some(issued_ns[row]));
+            let timing = (&conditions, &*issued_ns);
             if self
                 .step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .is_none()

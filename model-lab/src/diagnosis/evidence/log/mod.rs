@@ -416,7 +416,6 @@ impl Log {
         };
         let mut replay = self.begin(parameters, conditions, tolerance);
         for index in 0..self.inputs.len() {
-            let issued_ns = issued_ns.get(index).copied();
             let row = self.step(&mut replay, index, (conditions, issued_ns), horizon)?;
             see(index, &row);
         }
@@ -434,20 +433,37 @@ impl Log {
             .begin(&around, conditions, (self.sampling, tolerance))
     }
 
-    /// Advances to row `index`, whose command was given at an instant of the ECU if the logger has its own clock, and corrects the model
-    /// there; none where the simulation was aborted.
+    /// Returns the input of row `index` in the time of the ECU, whose command was given at an instant of the ECU if the logger has its own
+    /// clock.
+    fn on_ecu_time(
+        &self,
+        index: usize,
+        (conditions, issued_ns): (&Conditions, Option<u64>),
+    ) -> ReplayInput {
+        conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns)
+    }
+
+    /// Advances to row `index`, and corrects the model there; none where the simulation was aborted. The commands were given at instants of
+    /// the ECU if the logger has its own clock.
     fn step(
         &self,
         replay: &mut Replay,
         index: usize,
-        (conditions, issued_ns): (&Conditions, Option<u64>),
+        (conditions, issued_ns): (&Conditions, &[u64]),
         horizon: Horizon,
     ) -> Option<Row> {
-        let input = conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns);
+        let given_ns = issued_ns.get(index).copied();
+        let input = self.on_ecu_time(index, (conditions, given_ns));
         let time_s = self.commands.times_s[index];
         let warmth = self.start.warmth(replay, conditions, time_s);
         let row = self.start.row(replay, input, warmth)?;
-        self.start.restart(replay, index);
+        self.start.restart(replay, index, || {
+            (index + 1..self.inputs.len()).map(|row| {
+                let issued_ns = issued_ns.get(row).copied();
+                let pressure = self.pressure().map_or(f64::NAN, |one| one.values[row]);
+                (self.on_ecu_time(row, (conditions, issued_ns)), pressure)
+            })
+        });
         if let Some(channel) = self.pressure().filter(|_| horizon == Horizon::OneStepAhead) {
             let (measured, gain) = (channel.values[index], self.predictor.gains[index]);
             self.start.correct(replay, (&row, warmth), measured, gain);
