@@ -32,8 +32,23 @@ pub(crate) fn format(report: &mut Report) {
     report.step("format", || run(&["fmt", "--all"]));
 }
 
+/// Checks format and lints, and runs the unit tests that take seconds.
+pub(crate) fn fast(report: &mut Report) {
+    format_and_clippy(report);
+    report.step("unit tests", || tests::run(Which::Fast));
+}
+
 /// Checks format, lints and links in the documentation.
 pub(crate) fn lint(report: &mut Report) {
+    format_and_clippy(report);
+    report.step("documentation", || {
+        let mut doc = cargo();
+        doc.args(["doc", "--workspace", "--no-deps", "--keep-going"]);
+        process::run(doc.env("RUSTDOCFLAGS", "-D warnings"), DEADLINE)
+    });
+}
+
+fn format_and_clippy(report: &mut Report) {
     report.step("format", || {
         component("rustfmt", "fmt")?;
         run(&["fmt", "--all", "--check"])
@@ -51,11 +66,6 @@ pub(crate) fn lint(report: &mut Report) {
             "-D",
             "warnings",
         ])
-    });
-    report.step("documentation", || {
-        let mut doc = cargo();
-        doc.args(["doc", "--workspace", "--no-deps", "--keep-going"]);
-        process::run(doc.env("RUSTDOCFLAGS", "-D warnings"), DEADLINE)
     });
 }
 

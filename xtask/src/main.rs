@@ -46,6 +46,9 @@ enum Verb {
         /// Run only this part.
         #[arg(long)]
         only: Option<Part>,
+        /// Check format and lints, and run the unit tests that take seconds: what to run while working.
+        #[arg(long, conflicts_with = "only")]
+        fast: bool,
         #[command(flatten)]
         arm: ArmOptions,
     },
@@ -170,7 +173,8 @@ enum Part {
 fn main() -> ExitCode {
     let mut report = Report::default();
     match Cli::parse().verb {
-        Verb::Test { only, arm } => {
+        Verb::Test { fast: true, .. } => host::fast(&mut report),
+        Verb::Test { only, arm, .. } => {
             let wanted = |part| only.is_none_or(|one| one == part);
             if wanted(Part::Lint) {
                 host::lint(&mut report);

@@ -1,4 +1,4 @@
-//! Tests of this machine: built once, run in three parts; one needs a browser and one the image.
+//! Tests of this machine: built once, run in parts; one needs a browser and one the image, and one takes seconds.
 
 use std::path::Path;
 use std::process::Command;
@@ -19,6 +19,8 @@ const DEADLINE: Duration = Duration::from_secs(3600);
 /// Selection of the workspace's tests.
 #[derive(Clone, Copy)]
 pub(crate) enum Which<'a> {
+    /// Unit tests that take seconds: not the searches of the diagnosis.
+    Fast,
     /// Tests that need nothing but this machine.
     Alone,
     /// Tests of the page in a browser.
@@ -45,6 +47,7 @@ pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
 }
 
 fn by_nextest(which: Which<'_>) -> Command {
+    const FAST: &str = "kind(lib) - (package(model-lab) & test(/^diagnosis::/)) | binary(words) | binary(repository)";
     const BROWSER: &str = "package(workbench) & binary(browser)";
     const IMAGE: &str =
         "package(hil-harness) & binary(/image/) | package(retarder) & test(/^image::/)";
@@ -52,6 +55,7 @@ fn by_nextest(which: Which<'_>) -> Command {
     tests.args(["nextest", "run", "--workspace", "--no-fail-fast"]);
     tests.args(["--features", FEATURES, "--filterset"]);
     match which {
+        Which::Fast => tests.arg(FAST),
         Which::Alone => tests.arg(format!("not ({BROWSER} | {IMAGE})")),
         Which::Browser => tests.arg(BROWSER),
         Which::Image(_) => tests.arg(IMAGE).args(["--test-threads", "1"]),
@@ -68,6 +72,14 @@ fn by_cargo(which: Which<'_>) -> Vec<Command> {
         tests
     };
     match which {
+        Which::Fast => vec![test(&[
+            "--features",
+            FEATURES,
+            "--lib",
+            "--",
+            "--skip",
+            "diagnosis::",
+        ])],
         Which::Alone => vec![test(&["--lib", "--bins", "--tests"])],
         Which::Browser => vec![test(&["--features", FEATURES, "--test", "browser"])],
         Which::Image(_) => [

@@ -31,6 +31,7 @@ pub use wall_heat::WallHeat;
 pub use warm_up::WarmUp;
 
 use crate::hooks::Hooks;
+use crate::orifice::NozzleLaw;
 use crate::restriction::Restriction;
 
 /// Additions to the plant; the default has none.
@@ -40,6 +41,8 @@ pub struct Additions {
     pub leaks: [Option<Leak>; 2],
     /// Line between the supply and the fill valve.
     pub supply_line: Option<Line>,
+    /// Law of the flow through that line where it is a tube; otherwise that of the nozzle.
+    pub tube: Option<Box<NozzleLaw>>,
     /// Line between the vent valve and the drain.
     pub drain_line: Option<Line>,
     /// Fixed orifices downstream of the fill and the vent valve.

@@ -4,6 +4,7 @@ use crate::additions::Line;
 use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
+use crate::orifice::{NozzleLaw, Subsonic};
 use crate::plant::Plant;
 use crate::restriction::Restriction;
 
@@ -12,6 +13,8 @@ effect_parameters! { "effects.supply_line_droop":
         "effective area of the narrowest place between reservoir and fill valve (E51)";
     VOLUME = line_volume_m3 ["m3"] 1e-7 ..= 1e-2, Log 5e-5,
         "volume of the line between that place and the fill valve (E51)";
+    RATIO = line_critical_ratio [""] 0.05 ..= 0.6, Linear 0.3,
+        "critical pressure ratio of the line, from 0.5 of a short one to 0.2 of a long one (E51)";
     DROOP = regulator_droop_bar_s_per_g ["bar s/g"] 1e-5 ..= 10.0, Log 0.02, off 0.0,
         "pressure that the regulator loses per mass flow, the slope of its flow characteristic (E51)";
     RESPONSE = regulator_response_s ["s"] 1e-3 ..= 10.0, Log 0.03,
@@ -28,6 +31,11 @@ static ABOUT: About = About {
             name: "line_volume",
             about: "air stored in the line feeds the first milliseconds",
             parameters: &[&AREA, &VOLUME],
+        },
+        Variant {
+            name: "tube",
+            about: "the same through a tube with a critical pressure ratio of its own",
+            parameters: &[&AREA, &VOLUME, &RATIO],
         },
         Variant {
             name: "static",
@@ -53,7 +61,18 @@ impl Effect for SupplyLineDroop {
         &ABOUT
     }
 
-    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
+        let gas = &parameters.gas;
+        plant.additions.tube = setting.get("line_critical_ratio").map(|critical_ratio| {
+            let law = NozzleLaw::with_branch(
+                gas.heat_capacity_ratio,
+                gas.gas_constant_j_per_kg_k,
+                gas.temperature_k,
+                critical_ratio,
+                Subsonic::Ellipse,
+            );
+            Box::new(law)
+        });
         plant.additions.supply_line = match setting.get("restriction_area_m2") {
             Some(effective_area) => {
                 let restriction = Restriction { effective_area };
@@ -93,7 +112,7 @@ mod tests {
     /// A narrow line slows the filling; air stored in it helps at first; without stored air the filling is slowest.
     #[test]
     fn a_narrow_line_slows_the_filling_and_its_volume_helps() {
-        let [line, fixed] = [0, 1].map(|n| {
+        let [line, fixed] = [0, 2].map(|n| {
             filling_time_s(Some(EffectSetting::typical_variant(
                 &SupplyLineDroop,
                 &ABOUT.variants[n],
@@ -103,10 +122,39 @@ mod tests {
         assert!(plain < line && line < fixed, "{plain} {line} {fixed}");
     }
 
+    /// Through a tube, the subsonic flow of ISO 6358 is less than that of a nozzle, and the choked flow is the same.
+    #[test]
+    fn a_tube_passes_less_than_a_nozzle_once_its_flow_is_subsonic() {
+        let tube = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[1]);
+        let plant = PlantParameters::nominal();
+        let line_pressure = &|ratio: f64| {
+            let setting = tube.clone().with("line_critical_ratio", ratio);
+            let mut plant = plant.with_effect(setting);
+            plant.chamber.volume_m3 = 1.0;
+            let mut simulator = Simulator::new(&plant);
+            simulator.command(Command {
+                duty_fill_pct: 100.0,
+                duty_vent_pct: 0.0,
+            });
+            simulator.advance_to_ns(500_000_000);
+            let mut states = simulator.effect_states();
+            states.find(|state| state.name == "p_line").unwrap().value
+        };
+        // The choked valve draws C_v p_l, and the line passes C_l p_s sqrt(1 - ((p_l/p_s - b)/(1 - b))^2) (ISO 6358).
+        let valve = 0.95 * core::f64::consts::PI * 0.95e-3_f64.powi(2);
+        let supply = plant.gas.supply_pressure_pa();
+        let balance =
+            |r: f64, b: f64| 4e-6 * (1.0 - ((r - b) / (1.0 - b)).powi(2)).sqrt() - valve * r;
+        for b in [0.2, 0.35, 0.5] {
+            let found = line_pressure(b) / supply;
+            assert!(balance(found, b).abs() < 1e-9, "{b}: {found}");
+        }
+    }
+
     /// Choked filling of a very large chamber: the flow is constant, and so is the regulator's droop.
     #[test]
     fn a_regulator_loses_its_droop_times_the_flow() {
-        let setting = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[2])
+        let setting = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[3])
             .with("regulator_droop_bar_s_per_g", 0.1);
         let mut plant = PlantParameters::nominal().with_effect(setting);
         plant.chamber.volume_m3 = 1.0;
@@ -135,7 +183,7 @@ mod tests {
     #[test]
     fn a_small_line_volume_is_the_static_law() {
         let small = EffectSetting::typical(&SupplyLineDroop).with("line_volume_m3", 1e-7);
-        let fixed = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[1]);
+        let fixed = EffectSetting::typical_variant(&SupplyLineDroop, &ABOUT.variants[2]);
         let (small, fixed) = (filling_time_s(Some(small)), filling_time_s(Some(fixed)));
         assert!((small - fixed).abs() < 0.5e-3, "{small} {fixed}");
     }

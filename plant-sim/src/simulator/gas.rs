@@ -447,6 +447,7 @@ pub(super) fn rates(
     let gas = (nozzle, plain * plant.chamber.volume);
     if let (Some(index), Some(line)) = (layout.line, additions.supply_line) {
         let drawn = filled + seeped;
+        let gas = (additions.tube.as_deref().unwrap_or(gas.0), gas.1);
         extra_rates[index] = line.pressure_rate(gas, reservoir(plant, now), source, drawn);
     }
     if let (Some(index), Some(line)) = (layout.drain, additions.drain_line) {
