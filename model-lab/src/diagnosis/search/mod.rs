@@ -136,9 +136,17 @@ pub(crate) fn try_all(
         let of_effect = FORM_PROSPECT * best_gain(Some(begun.setting.id()));
         of_effect.max(least_gain)
     };
+    let expected = opened.iter().map(|begun| begun.expected);
+    let least_expected = PROSPECT * expected.fold(0.0, f64::max);
+    let is_on_its_way = |begun: &Begun| {
+        effort == Effort::Search
+            && begun.opened.is_some()
+            && begun.gain() <= 0.0
+            && begun.expected >= least_expected
+    };
     let is_followed: Vec<bool> = opened
         .iter()
-        .map(|begun| begun.gain() >= least(begun))
+        .map(|begun| begun.gain() >= least(begun) || is_on_its_way(begun))
         .collect();
     let finished = AtomicUsize::new(0);
     let total = opened.len() as f64;
@@ -147,13 +155,12 @@ pub(crate) fn try_all(
         .zip(is_followed)
         .map(|(begun, is_followed)| {
             let gain = begun.gain();
-            let trial = begun.opened.filter(|_| gain > 0.0).and_then(|opened| {
-                if is_followed {
-                    bench.finish(opened)
-                } else {
-                    bench.leave(base, opened)
-                }
-            });
+            let trial = match begun.opened {
+                Some(opened) if is_followed => bench.finish(opened),
+                Some(opened) if gain > 0.0 => bench.leave(base, opened),
+                _ => None,
+            };
+            let trial = trial.filter(|trial| trial.fit.cost < base.fit.cost);
             let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
             report(watch, stage, BEGUN + (1.0 - BEGUN) * count as f64 / total)?;
             Ok(Tried {
@@ -211,6 +218,8 @@ pub(crate) fn finish_begun(
 struct Begun {
     setting: EffectSetting,
     opened: Option<Opened>,
+    /// Gain that was expected before any step.
+    expected: f64,
     /// Cost without the effect.
     before: f64,
 }
@@ -255,6 +264,7 @@ fn open_promising(
             Ok(Begun {
                 opened: sketch.and_then(|sketch| bench.open(sketch)),
                 setting,
+                expected: gain.unwrap_or(0.0),
                 before: base.fit.cost,
             })
         })
