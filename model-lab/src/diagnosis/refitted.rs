@@ -89,6 +89,16 @@ impl<'a> Refitted<'a> {
             Extent::All => found::find(&mut split, &plant, &library, plain, watch)?,
             Extent::One => selection::of_one_effect(&split.bench(&plant, &library), plain, watch)?,
         };
+        if extent == Extent::All
+            && let Some(training_alone) = found.explaining_training_alone()
+            && let Some(mut all) = split.of_all_logs(training_alone)
+        {
+            let plain = all.plain_from(&plant, &found.steps[0].plant())?;
+            let of_all = found::find(&mut all, &plant, &library, plain, watch)?;
+            if !of_all.is_unexplained() {
+                (split, found) = (all, of_all);
+            }
+        }
         let mut adds_up = found.adds_up(&split.bench(&plant, &library));
         if adds_up
             && let Some(free) =

@@ -44,6 +44,23 @@ impl Evidence {
         }
     }
 
+    /// Returns the same logs, without the work that was done on them.
+    pub(crate) fn copied(&self) -> Self {
+        Self {
+            is_rest_of_fitted: self.is_rest_of_fitted,
+            horizon: self.horizon,
+            ..Self::of(self.logs.clone())
+        }
+    }
+
+    /// Adds the work that was done on `other`.
+    pub(crate) fn add_work_of(&self, other: &Self) {
+        let simulations = other.simulations.load(Ordering::Relaxed);
+        let computing_ns = other.computing_ns.load(Ordering::Relaxed);
+        self.simulations.fetch_add(simulations, Ordering::Relaxed);
+        self.computing_ns.fetch_add(computing_ns, Ordering::Relaxed);
+    }
+
     pub(crate) fn sources(&self) -> Vec<String> {
         self.logs.iter().map(|log| log.source.clone()).collect()
     }

@@ -185,6 +185,24 @@ impl Split {
         }
     }
 
+    /// Returns a split of training and validation logs into blocks, under the conditions that suit `best`; none where no logs were given for
+    /// validation.
+    ///
+    /// Training logs may leave a value open that the validation logs need: whether pulses of one length open a valve.
+    pub(crate) fn of_all_logs(&self, best: &Trial) -> Option<Self> {
+        (self.held_out == HeldOut::CheckLogs).then(|| {
+            let same = Self {
+                fitting: self.fitting.copied(),
+                checking: self.checking.copied(),
+                held_out: self.held_out,
+            };
+            let all = same.into_blocks_that_show(best);
+            all.fitting.add_work_of(&self.fitting);
+            all.checking.add_work_of(&self.checking);
+            all
+        })
+    }
+
     /// Searches the clocks of the validation logs with `best`, a fitted plant, which determines them better than a plant that fits worse.
     /// Returns whether `best` then fits these logs better; otherwise they are unchanged.
     pub(crate) fn find_checked_clocks(

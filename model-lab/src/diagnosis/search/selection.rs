@@ -262,6 +262,16 @@ impl Selection {
         self.plain().is_material() && !self.last().explains(self.plain())
     }
 
+    /// Returns the trial that brings the training data to the noise, but not the validation data, where an error remains.
+    pub(crate) fn explaining_training_alone(&self) -> Option<&Trial> {
+        let is_it = |trial: &&Trial| !trial.fitted.is_material() && trial.checked.is_material();
+        let singles = self.singles.iter().filter_map(|tried| tried.trial.as_ref());
+        let trials = singles.chain(&self.steps).filter(is_it);
+        trials
+            .filter(|_| self.is_unexplained())
+            .min_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost))
+    }
+
     pub(crate) fn verdict(&self) -> Verdict {
         match self.steps.len() {
             1 if !self.plain().leaves_little() => Verdict::NotInLibrary,
