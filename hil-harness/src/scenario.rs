@@ -526,8 +526,8 @@ pub enum ScenarioError {
     },
     /// Model-based pulses with a valve whose opening times are not those of the tables.
     #[error(
-        "model-based pulses need two valves with coils: their tables have the opening times of such valves; leave out the \
-         table [pulses]"
+        "model-based pulses need two valves with coils: their tables have the opening times of such valves; take \
+         `--controller recommended`, or leave out the table [pulses]"
     )]
     PulsesWithoutCoil,
     /// Controller and plant have different sample times.

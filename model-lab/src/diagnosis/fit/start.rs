@@ -29,7 +29,7 @@ const BEST: usize = 3;
 const UNTYPICAL: f64 = 10.0;
 /// Shares to which the contribution of an effect is reduced: a fit reaches those nearer to 1 by itself.
 const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
-/// Shares to which that of an effect with a sign is raised, of which no larger sizes are tried.
+/// Shares to which that of an effect with a sign is raised where its gain is expected: a fit reaches such sizes by itself.
 const STRENGTHENED: RangeInclusive<f64> = 2.0..=50.0;
 /// Ratio of a neighbouring size, from which the power follows with which an effect grows with its size, ...
 const NEIGHBOUR: f64 = 0.8;
@@ -72,7 +72,10 @@ pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
         starts_of_sizes(room.without, begin)
     };
     let expected = starts.iter().map(|start: &Start| {
-        let scaled = start.best.filter(|best| is_scaled(best, is_signed));
+        let is_scaled = |best: &BestShare| {
+            WEAKENED.contains(&best.share) || is_signed && STRENGTHENED.contains(&best.share)
+        };
+        let scaled = start.best.filter(is_scaled);
         scaled.map_or(start.expected_cost, |best| {
             best.cost.min(start.expected_cost)
         })
@@ -144,12 +147,12 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) ->
         .iter()
         .map(|start| start.expected_cost)
         .fold(f64::INFINITY, f64::min);
-    let scaled = starts
+    let weakened = starts
         .iter()
         .filter_map(|start| Some((start, start.best?)))
-        .filter(|(_, best)| is_scaled(best, is_signed) && best.cost < least)
+        .filter(|(_, best)| WEAKENED.contains(&best.share) && best.cost < least)
         .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
-    if let Some((start, best)) = scaled {
+    if let Some((start, best)) = weakened {
         let power = start.power(fitter, &room, own).unwrap_or(1.0);
         let size = start.size * best.share.powf(1.0 / power);
         let shape = start.shape.clone();
@@ -163,11 +166,6 @@ pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) ->
     starts.sort_by(by_price);
     starts.truncate(BEST);
     starts
-}
-
-/// Returns whether an effect counts at its best share, and not at the size at which it was evaluated.
-fn is_scaled(best: &BestShare, is_signed: bool) -> bool {
-    WEAKENED.contains(&best.share) || is_signed && STRENGTHENED.contains(&best.share)
 }
 
 /// Returns the displacements of the unknowns of an effect: every combination of its parameters of form except the typical one.
