@@ -28,8 +28,11 @@ pub(crate) struct LogStart {
     command: Option<Command>,
     /// Rows at which the model restarts, in order of time.
     pub(crate) restarts: Vec<Restart>,
-    /// Ambient pressure (bar abs) and temperature of the chamber's wall (K).
-    ambient_bar: f64,
+    /// Ambient pressure (Pa abs) between logged pressures and those of this start, ...
+    ambient: f64,
+    /// ... and whether absolute pressures were logged: those are the same at another ambient pressure.
+    is_absolute: bool,
+    /// Temperature of the chamber's wall (K).
     wall_k: f64,
     /// Index of the chamber pressure in a row.
     pressure_place: usize,
@@ -46,7 +49,8 @@ impl LogStart {
             supply_pressure: None,
             command: None,
             restarts: Vec::new(),
-            ambient_bar: parameters.gas.ambient_pressure_pa / PA_PER_BAR,
+            ambient: parameters.gas.ambient_pressure_pa,
+            is_absolute: false,
             wall_k: parameters.gas.temperature_k,
             pressure_place: pressure_place.expect("it is a signal of the model"),
         }
@@ -71,6 +75,7 @@ impl LogStart {
             },
             command,
             restarts: pressure.map_or_else(Vec::new, |signal| signal.restarts.clone()),
+            is_absolute: pressure.is_some_and(|signal| signal.is_absolute),
             ..Self::at_rest(parameters)
         }
     }
@@ -101,6 +106,9 @@ impl LogStart {
         (sampling, tolerance): (CurrentSampling, Tolerance),
     ) -> Replay {
         let mut replay = Replay::new(parameters, sampling, tolerance);
+        if self.is_absolute {
+            replay.show_relative_to(self.ambient);
+        }
         if let Some(shown) = self.supply_pressure {
             replay.begin_supplied(shown);
         }
@@ -115,6 +123,7 @@ impl LogStart {
         }
         if let Some(pressure) = self.pressure {
             let ratio = self.warmth(&mut replay, conditions, 0.0);
+            let pressure = pressure + self.change_of_ambient(&replay);
             replay.begin_showing(pressure / ratio);
             let excess_k = conditions.start_gas.excess_k;
             if excess_k != 0.0 {
@@ -124,6 +133,11 @@ impl LogStart {
             }
         }
         replay
+    }
+
+    /// Returns the change of a logged pressure (Pa) at the ambient pressure of `replay`: a gauge pressure is relative to it.
+    fn change_of_ambient(&self, replay: &Replay) -> f64 {
+        replay.gauge_reference() - self.ambient
     }
 
     /// Returns the true pressure over that of `replay`, whose gas has the temperature of the wall, at `time_s` since the first row. 1 where
@@ -143,8 +157,9 @@ impl LogStart {
             return None;
         }
         if warmth != 1.0 {
+            let reference_bar = replay.gauge_reference() / PA_PER_BAR;
             let shown = &mut row[self.pressure_place];
-            *shown = (*shown + self.ambient_bar) * warmth - self.ambient_bar;
+            *shown = (*shown + reference_bar) * warmth - reference_bar;
         }
         Some(row)
     }
@@ -178,6 +193,10 @@ impl LogStart {
     ) {
         let Some(restart) = Restart::at(&self.restarts, index) else {
             return;
+        };
+        let restart = &Restart {
+            pressure: restart.pressure + self.change_of_ambient(replay),
+            ..*restart
         };
         replay.begin_showing(restart.pressure);
         let is_last = Restart::at(&self.restarts, index + 1).is_none();

@@ -7,7 +7,10 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::PA_PER_BAR;
 use plant_sim::plant::{FILL, VENT};
 use plant_sim::replay::{SUPPLY_PRESSURE, drives_supply, signals, unknown_signals};
-use recording::{Bounds, OwnSamples, Quantity, Recording, Signal, TimeBase, Unit, median_step_s};
+use recording::{
+    Bounds, OwnSamples, PressureReference, Quantity, Recording, Signal, TimeBase, Unit,
+    median_step_s,
+};
 
 use crate::commands::{Commands, DUTIES, shared};
 use crate::error::CompareError;
@@ -56,6 +59,8 @@ pub(crate) struct Measured {
     pub(crate) name: &'static str,
     /// Unit of the values.
     pub(crate) unit: Unit,
+    /// Whether an absolute pressure was logged, from which `ambient` was subtracted.
+    pub(crate) is_absolute: bool,
     /// Unit of the errors.
     pub(crate) error_unit: Unit,
     /// Values, NaN where missing, and where only other signals were sampled.
@@ -186,6 +191,7 @@ pub(crate) fn measured_signals(
         measured.push(Measured {
             name,
             unit,
+            is_absolute: signal.unit().pressure_reference() == Some(PressureReference::Absolute),
             error_unit,
             interval_s,
             own: own_base(name, read),

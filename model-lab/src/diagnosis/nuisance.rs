@@ -146,6 +146,9 @@ const fn critical_ratio(name: &'static str, determined_by: &'static str) -> Ordi
 const COIL_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.05));
 const FORCE_WITHOUT_CURRENT: Option<Spread> = Some(Spread::Relative(0.1));
 
+/// Spread between two correct programs of a parameter that only a plant file frees, such as the ambient pressure.
+const BETWEEN_PROGRAMS: Spread = Spread::Relative(1e-3);
+
 /// Usual tolerances of parts: machined orifices 10 %, wound springs 5 to 8 %, copper coils 5 %, a machined volume 4 %, magnetic circuits 8
 /// %; the delay of an output stage, and a pressure regulator with its gauge.
 static ORDINARY: [Ordinary; 45] = [
@@ -530,10 +533,12 @@ pub(crate) fn nuisances(plant: &PlantParameters, shows: Shows) -> Vec<Nuisance> 
                     "excite the part that it describes, or measure it and fix the value",
                     |ordinary| ordinary.determined_by,
                 ),
-                between_programs: ordinary.map_or(0.0, |one| {
-                    let without = one.without_current.filter(|_| !shows.current);
-                    without.unwrap_or(one.between_programs).around(there)
-                }),
+                between_programs: ordinary
+                    .map_or(BETWEEN_PROGRAMS, |one| {
+                        let without = one.without_current.filter(|_| !shows.current);
+                        without.unwrap_or(one.between_programs)
+                    })
+                    .around(there),
                 jumps: Vec::new(),
                 usual: ordinary
                     .and_then(|one| one.usual)

@@ -106,6 +106,8 @@ pub struct Replay {
     regulating_valve: Option<RegulatingValve>,
     sampling: CurrentSampling,
     ambient_pressure: f64,
+    /// Pressure (Pa abs) to which the chamber pressure of a row is relative.
+    gauge_reference: f64,
     wall_temperature: f64,
     thermometer_wall_share: f64,
     is_commanded: bool,
@@ -145,6 +147,7 @@ impl Replay {
                 .map(RegulatingValve::new),
             sampling,
             ambient_pressure: parameters.gas.ambient_pressure_pa,
+            gauge_reference: parameters.gas.ambient_pressure_pa,
             wall_temperature: parameters.gas.temperature_k,
             thermometer_wall_share: parameters.gas.thermometer_wall_share,
             is_commanded: Part::Commanded.is_in(parameters),
@@ -182,6 +185,17 @@ impl Replay {
         // The reading less the offset may be negative, but a pressure is not.
         let pressure = (shown - self.supply_gauge_offset).max(LEAST_SUPPLY);
         self.simulator.set_supply_pressure(pressure);
+    }
+
+    /// Gives the chamber pressure of each row relative to `reference` (Pa abs) and not to the ambient pressure: the
+    /// absolute pressures of a log were converted with it.
+    pub fn show_relative_to(&mut self, reference: f64) {
+        self.gauge_reference = reference;
+    }
+
+    /// Returns the pressure (Pa abs) to which the chamber pressure of a row is relative.
+    pub fn gauge_reference(&self) -> f64 {
+        self.gauge_reference
     }
 
     /// Returns the simulator, to correct its state or to read its statistics.
@@ -261,7 +275,7 @@ impl Replay {
         [
             self.shown.duty_fill_pct,
             self.shown.duty_vent_pct,
-            (sample.measured_pressure - self.ambient_pressure) / crate::parameters::PA_PER_BAR,
+            (sample.measured_pressure - self.gauge_reference) / crate::parameters::PA_PER_BAR,
             current[FILL] * 1e3,
             current[VENT] * 1e3,
             self.supply_voltage_v,

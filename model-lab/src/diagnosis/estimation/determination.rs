@@ -6,7 +6,7 @@ use super::profile;
 use super::result::{Determination, EstimatedParameter};
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
-use crate::diagnosis::fit::interval::{covariance, half_widths};
+use crate::diagnosis::fit::interval::{NORMAL_95, between_programs, covariance, half_widths};
 use crate::diagnosis::fit::trial::Trial;
 
 /// Largest width of an interval, over that before the logs, at which a parameter counts as determined.
@@ -15,8 +15,6 @@ pub(in crate::diagnosis) const DETERMINED: f64 = 0.18;
 const NOT_EXCITED: f64 = 0.18;
 /// Magnitude of the correlation from which on two parameters compensate for each other.
 const MAKES_UP: f64 = 0.5;
-/// Half width of a 95 % interval (standard deviations).
-const NORMAL_95: f64 = 1.96;
 /// Distance from a bound, in coordinates, within which a parameter counts as at its limit.
 const AT_LIMIT: f64 = 1e-6;
 
@@ -24,7 +22,7 @@ const AT_LIMIT: f64 = 1e-6;
 pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
     let mut distances = profile::distances(evidence, trial, &half_widths(evidence, trial));
     for (unknown, ends) in trial.unknowns.list().iter().zip(&mut distances) {
-        *ends = ends.map(|end| end.hypot(NORMAL_95 * unknown.between_programs()));
+        *ends = ends.map(|end| between_programs(unknown, end));
     }
     let covariance = covariance(evidence, trial);
     let list = trial.unknowns.list();

@@ -5,13 +5,14 @@ use nalgebra::DMatrix;
 use super::Fitter;
 use super::trial::Trial;
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::unknowns::Unknown;
 
 /// Number of samples of a block within which errors may be correlated.
 const BLOCK: usize = 100;
 /// Least curvature of every parameter: a standard deviation of a thousand typical sizes.
 const UNSEEN: f64 = 1e-6;
 /// Half width of a 95 % interval (standard deviations).
-const NORMAL_95: f64 = 1.96;
+pub(crate) const NORMAL_95: f64 = 1.96;
 /// Standard deviation, as a share of its value, of a parameter between two correct programs of one plant: the simulator and the reference
 /// plant of the blind benchmark (docs/blind-benchmark.md, "Intervals").
 const BETWEEN_PROGRAMS: f64 = 0.025;
@@ -70,6 +71,12 @@ pub(crate) fn with_model_error(value: f64, [low, high]: [f64; 2]) -> [f64; 2] {
         value - (value - low).hypot(model_error),
         value + (high - value).hypot(model_error),
     ]
+}
+
+/// Returns the half width of the interval of `unknown` (coordinate), from the one due to noise: widened by the difference between correct
+/// programs.
+pub(crate) fn between_programs(unknown: &Unknown, of_noise: f64) -> f64 {
+    of_noise.hypot(NORMAL_95 * unknown.between_programs())
 }
 
 fn scatter_of_gradient(evidence: &Evidence, trial: &Trial) -> DMatrix<f64> {

@@ -25,14 +25,13 @@ use crate::diagnosis::evidence::effect_unknown::EVEN_SD;
 use crate::diagnosis::evidence::logged_supply::with_logged_supply;
 use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
 use crate::diagnosis::fit::gather::gather;
+use crate::diagnosis::fit::interval::{NORMAL_95, between_programs};
 use crate::diagnosis::fit::trial::Bench;
 use crate::diagnosis::fit::{Difference, Fitter};
 use crate::diagnosis::knowledge::{named, state_first_file};
 use crate::diagnosis::nuisance::first_file_spread;
 use crate::diagnosis::search::{Watch, report};
 
-/// Half width of a 95 % interval (standard deviations).
-const NORMAL_95: f64 = 1.96;
 /// Ratio of the intervals after and before an experiment at which a parameter counts as determined that is already well known but requested
 /// by its name.
 const HALVED: f64 = 0.5;
@@ -200,8 +199,8 @@ impl Foresight<'_> {
             .asked
             .iter()
             .map(|&n| {
-                let noise = NORMAL_95 * covariance[(n, n)].max(0.0).sqrt();
-                noise.hypot(NORMAL_95 * self.unknowns.list()[n].between_programs())
+                let of_noise = NORMAL_95 * covariance[(n, n)].max(0.0).sqrt();
+                between_programs(&self.unknowns.list()[n], of_noise)
             })
             .collect();
         let open = self.asked.iter().zip(&widths);

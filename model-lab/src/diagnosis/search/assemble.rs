@@ -14,7 +14,7 @@ use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::effect_unknown::EffectUnknown;
 use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::{AT_BOUND, Unknown};
-use crate::diagnosis::fit::interval::{half_widths, with_model_error};
+use crate::diagnosis::fit::interval::{between_programs, half_widths, with_model_error};
 use crate::diagnosis::fit::trial::{Bench, Trial};
 use crate::diagnosis::result::words::{all_of, spaced};
 use crate::diagnosis::result::{
@@ -202,6 +202,7 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             return None;
         };
         let (least, most) = unknown.range();
+        let width = between_programs(unknown, widths[index]);
         let (before, after) = (plain.fit.z[index], last.fit.z[index]);
         let (lower, upper) = plain.unknowns.list()[index].bounds();
         let at_end = |z: f64| z - lower < AT_BOUND || upper - z < AT_BOUND;
@@ -226,8 +227,8 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
             tolerance: nuisance.tolerance,
             plain: unknown.value(before),
             fitted: unknown.value(after),
-            low: unknown.value((after - widths[index]).max(least)),
-            high: unknown.value((after + widths[index]).min(most)),
+            low: unknown.value((after - width).max(least)),
+            high: unknown.value((after + width).min(most)),
             alarm: alarm
                 .filter(|_| is_named || at_end(after))
                 .map(str::to_owned),

@@ -582,15 +582,26 @@ fn scatter(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use plant_sim::effects::{EffectSetting, by_id};
+    use recording::Unit;
 
     use super::*;
-    use crate::bench::{Bench, quantise, without_rows};
+    use crate::bench::{Bench, pressure_alone, quantise, without_rows};
     use crate::diagnosis::fit::gather::gather;
     use crate::metrics::rms;
 
     /// Returns the rms of the errors of `plant` over the noise, of each channel.
     fn errors(plant: &PlantParameters, log: &Recording, horizon: Horizon) -> Vec<f64> {
-        let evidence = gather(plant, [log]).unwrap();
+        errors_of(plant, plant, log, horizon)
+    }
+
+    /// Returns the same for a log that is read with the plant `file`.
+    fn errors_of(
+        plant: &PlantParameters,
+        file: &PlantParameters,
+        log: &Recording,
+        horizon: Horizon,
+    ) -> Vec<f64> {
+        let evidence = gather(file, [log]).unwrap();
         let residuals = evidence.residuals(plant, horizon).unwrap();
         let of = |range: core::ops::Range<usize>| {
             let counted: Vec<f64> = residuals[range]
@@ -661,6 +672,51 @@ mod tests {
             refused.contains("neither the chamber pressure"),
             "{refused}"
         );
+    }
+
+    /// Defect seen: the ambient pressure of the plant file was subtracted from absolute pressures, and a fit that moved it left them where
+    /// they were. With a weather report that was 5 mbar wrong, the supply ended 5 mbar wrong, or a sensor offset was named. Gauge pressures
+    /// at the start and behind a gap were absolute ones of the plant file.
+    #[test]
+    fn the_true_ambient_pressure_fits_whatever_the_plant_file_says() {
+        let file = PlantParameters::nominal();
+        let mut plant = file.clone();
+        plant.gas.ambient_pressure_pa -= 3000.0;
+        let ambient_bar = plant.gas.ambient_pressure_pa * 1e-5;
+        let bench = Bench {
+            plant: plant.clone(),
+            ..Bench::default()
+        };
+        let gauge = pressure_alone(&bench.measure());
+        let mut absolute = Recording::new(gauge.provenance().clone());
+        let id = absolute.add_time_base(gauge.time_bases().next().unwrap().1.clone());
+        for signal in gauge.signals() {
+            let mut values = signal.values_or_nan().to_vec();
+            let unit = match signal.name() {
+                PRESSURE => Unit::BarAbsolute,
+                _ => signal.unit(),
+            };
+            if unit == Unit::BarAbsolute {
+                values.iter_mut().for_each(|value| *value += ambient_bar);
+            }
+            absolute
+                .add_signal(signal.name(), unit, id, values)
+                .unwrap();
+        }
+        let pressures = gauge.signal(PRESSURE).unwrap().values_or_nan();
+        let filled = pressures.iter().position(|&bar| bar > 2.0).unwrap();
+        for log in [&gauge, &absolute] {
+            let begins_filled = without_rows(log, 0..filled + 20);
+            let paused = without_rows(log, filled..filled + 50);
+            for log in [log, &begins_filled, &paused] {
+                for horizon in [Horizon::OneStepAhead, Horizon::FreeRun] {
+                    let right = errors_of(&plant, &file, log, horizon)[0];
+                    let wrong = errors_of(&file, &file, log, horizon)[0];
+                    assert!(right < 1.2, "{horizon:?}: {right}");
+                    assert!(horizon == Horizon::OneStepAhead || wrong > 1.5, "{wrong}");
+                }
+            }
+        }
     }
 
     /// Defect seen: a slow sensor still showed the pressure before the gap when the model restarted after it.
