@@ -107,7 +107,15 @@ impl Bench<'_> {
 
     /// Returns the same as `plain`, with a fit that begins at the nuisance parameters of `there`.
     pub(crate) fn plain_from(&self, there: &PlantParameters) -> Option<Trial> {
-        let effects = self.plant.effects.clone();
+        self.fitted_from(self.plant.effects.clone(), there)
+    }
+
+    /// Returns the plant with `effects`, with a fit that begins at the parameters of `there` and the present clocks.
+    pub(crate) fn fitted_from(
+        &self,
+        effects: Vec<EffectSetting>,
+        there: &PlantParameters,
+    ) -> Option<Trial> {
         let unknowns = Unknowns::new(self.plant, &effects, &self.fitting.logs);
         let fitter = Fitter::new(self.fitting, &unknowns);
         let start = fitter.at(unknowns.at(there))?;

@@ -21,6 +21,8 @@ use crate::diagnosis::result::Verdict;
 use crate::diagnosis::verdict::CLEARLY_LESS;
 use crate::result::Horizon;
 
+/// Largest number of assignments of commands and fits in turn.
+const ASSIGNMENTS: usize = 4;
 /// Share of the decrease of the squared error by an effect from which on a better fit of the plain plant accounts for it.
 const MOST: f64 = 0.5;
 
@@ -142,10 +144,11 @@ fn select_from(
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
         if best.fitted.is_material()
-            && let Some(there) = split.assign_by(best)
+            && let Some((there, best)) = assigned_with(split, (plant, library), best)
         {
             plain = split.plain_from(plant, &there)?;
             singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
+            take_better(&mut singles, best);
         } else if split.find_checked_clocks(plant, best)? {
             let bench = split.bench(plant, library);
             plain = (bench.judged_anew(&plain)).ok_or_else(|| split.not_simulated())?;
@@ -183,6 +186,48 @@ fn select_from(
     Ok(found)
 }
 
+/// Assigns the commands of slow logs with `best`, a plant with effects, and fits it again, in turn, as long as that lowers the cost: its clocks
+/// were found without the effects. Returns the plant with the delay that goes with the clocks, and the last fit; none where the assignment
+/// does not change.
+fn assigned_with(
+    split: &mut Split,
+    (plant, library): (&PlantParameters, &[&'static dyn Effect]),
+    best: &Trial,
+) -> Option<(PlantParameters, Trial)> {
+    let mut last = None;
+    let mut best = best.clone();
+    for _ in 0..ASSIGNMENTS {
+        let before = split.logs();
+        let Some(there) = split.assign_by(&best) else {
+            break;
+        };
+        let bench = split.bench(plant, library);
+        let fitted = bench.fitted_from(best.effects.clone(), &there);
+        let Some(fitted) = fitted.filter(|fitted| fitted.fit.cost < CLEARLY_LESS * best.fit.cost)
+        else {
+            // The first assignment may show other effects.
+            if last.is_none() {
+                return Some((there, best));
+            }
+            split.restore(before);
+            break;
+        };
+        best = fitted;
+        last = Some(there);
+    }
+    last.map(|there| (there, best))
+}
+
+/// Replaces the effect of `best` in `singles` by `best`, where that leaves less.
+fn take_better(singles: &mut [Tried], best: Trial) {
+    let same = singles.iter_mut().find(|tried| tried.id() == best.added());
+    if let Some(tried) = same.filter(|tried| best.total_square() < tried.cost()) {
+        tried.trial = Some(best);
+        tried.is_finished = true;
+    }
+    singles.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+}
+
 /// Selects effects again where `nearest`, two effects together, shows clocks and commands of the logs that a single one did not. None, with
 /// the former clocks and commands, where these do not change, or where still nothing is named.
 fn selected_by(
@@ -194,7 +239,7 @@ fn selected_by(
 ) -> Result<Option<Selection>, DiagnoseError> {
     let before = split.logs();
     let (plain, singles) = if nearest.fitted.is_material()
-        && let Some(there) = split.assign_by(nearest)
+        && let Some((there, _)) = assigned_with(split, (plant, library), nearest)
     {
         let plain = split.plain_from(plant, &there)?;
         let singles = selection::singles(&split.bench(plant, library), &plain, watch)?;

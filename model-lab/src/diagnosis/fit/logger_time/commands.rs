@@ -17,6 +17,9 @@ const CHANGES_MIN: usize = 5;
 const STEP_SHARE: f64 = 0.02;
 /// Distance of the returned clocks at the last change, over the time between its rows.
 const APART_SHARE: f64 = 0.3;
+/// Number of changes of the commands that are not on a grid of the ECU by chance: two rows of a fast logger enclose an instant of any grid
+/// with a probability of up to 3 in 4.
+const CHANGES_PROVING: usize = 20;
 /// Share of the time between its rows by which a change may lie outside of them, because of rounded times.
 const SLACK: f64 = 0.02;
 /// The same share for a fitted clock.
@@ -119,9 +122,14 @@ pub(super) fn change_count(inputs: &[ReplayInput]) -> usize {
     changes(inputs, f64::INFINITY).len()
 }
 
+/// Returns whether the commands prove that the rows are no samples of the ECU: too many rows with a new command are not on its grid.
+pub(super) fn prove_own_clock(inputs: &[ReplayInput], sample_time_s: f64) -> bool {
+    change_count(inputs) >= CHANGES_PROVING && !admit_samples(inputs, sample_time_s)
+}
+
 /// Returns whether the rows may be instants of the ECU's own clock: its samples then are at multiples of `sample_time_s`, and so are the
 /// rows that show a new command.
-pub(super) fn admit_own_clock(inputs: &[ReplayInput], sample_time_s: f64) -> bool {
+fn admit_samples(inputs: &[ReplayInput], sample_time_s: f64) -> bool {
     let changes = changes(inputs, f64::INFINITY);
     let is_at_sample = |change: &&Change| {
         let samples = change.at_s / sample_time_s;

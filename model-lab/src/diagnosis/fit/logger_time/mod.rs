@@ -25,7 +25,7 @@ use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::Unknowns;
 pub(crate) use choice::choose_clocks_again;
-use commands::{CommandClock, DRIFT_MAX_PPM, clocks_from_commands};
+use commands::{CommandClock, DRIFT_MAX_PPM, clocks_from_commands, prove_own_clock};
 use known_clock::known_clock;
 pub(crate) use of_one_log::conditions_of;
 use pwm_lead::find_pwm_lead;
@@ -84,10 +84,11 @@ impl Delay {
         shares.iter().map(|share| Some(later(share))).collect()
     }
 
-    fn phases(self) -> &'static [f64] {
+    /// Returns the phases to try, over the sample time of the ECU. A plant of on/off valves has no delay that compensates for one.
+    fn phases(self, plant: &PlantParameters) -> &'static [f64] {
         match self {
-            Self::AsGiven => &CLOSE_PHASES,
-            Self::Searched => &PHASES,
+            Self::Searched if Part::DelayedOutput.is_in(plant) => &PHASES,
+            _ => &CLOSE_PHASES,
         }
     }
 
@@ -158,7 +159,8 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
     }
 }
 
-/// Finds the clock of the logger of `log` if the commands do not determine it; none if the rows may be samples of the ECU.
+/// Finds the clock of the logger of `log` if the commands do not determine it; none if the rows may be samples of the ECU, and no clock
+/// leaves clearly less.
 fn find_clock_on_model(
     plant: &PlantParameters,
     (log, tries): (&Log, &Tries),
@@ -171,24 +173,28 @@ fn find_clock_on_model(
     let is_stated = plant.knowledge.contains_key(COMMAND_DELAY);
     let fitted = (is_stated && delay == Delay::Searched).then_some(Delay::AsGiven);
     let ways: Vec<Delay> = fitted.into_iter().chain([delay]).collect();
-    if as_ecu.whole.loss < ways[0].in_time() * log.counted_samples().max(1) as f64 {
+    // The commands of a fast log that no clock explains were not given by samples of the ECU.
+    let is_proven = log.is_slow() && prove_own_clock(log.inputs(), plant.ecu.sample_time_s);
+    if !is_proven && as_ecu.whole.loss < ways[0].in_time() * log.counted_samples().max(1) as f64 {
         return None;
     }
     let drifts_ppm: Vec<f64> = (drifts_ppm.iter().copied())
         .chain(usual_drifts_ppm(log.duration_s()))
         .collect();
     ways.into_iter().find_map(|delay| {
-        let phases_s: Vec<f64> = (delay.phases().iter())
+        let phases_s: Vec<f64> = (delay.phases(plant).iter())
             .map(|share| share * plant.ecu.sample_time_s)
             .collect();
         let delays_s = delay.candidates_s(plant, WIDE_DELAY_STEP_S);
         let most = match delay {
             // A fitted plant leaves so little that a drift already shows at the beginning, where none is tried: the whole log decides.
+            _ if is_proven => f64::INFINITY,
             Delay::AsGiven => f64::INFINITY,
             Delay::Searched => 0.5 * (1.0 + delay.clear()) * as_ecu.begun_loss,
         };
         let found = tries.best_drifting((&phases_s, &delays_s, &drifts_ppm), most)?;
-        (found.whole.loss <= delay.clear() * as_ecu.whole.loss).then_some(found)
+        let is_clear = found.whole.loss <= delay.clear() * as_ecu.whole.loss;
+        (is_proven || is_clear).then_some(found)
     })
 }
 

@@ -10,7 +10,7 @@ use plant_sim::parameters::Part;
 use plant_sim::replay::{CurrentSampling, Surroundings};
 use recording::{Recording, TimeBase};
 
-use super::commands::{CommandClock, admit, admit_own_clock, change_count, clocks_from_commands};
+use super::commands::{CommandClock, admit, change_count, clocks_from_commands, prove_own_clock};
 use super::{
     CLEAR, CLEAR_FITTED, DELAY_STEP_S, Delay, IN_TIME_FITTED, Search, Tries, find_clock,
     find_sampling, find_slow_clocks, fit_conditions, loss,
@@ -24,9 +24,6 @@ use crate::diagnosis::evidence::sensor_noise::SensorNoise;
 
 /// Smallest number of changes of the commands from which a clock can be found.
 const CHANGES_MIN: usize = 5;
-/// Number of changes of the commands that are not on a grid of the ECU by chance: two rows of a fast logger enclose an instant of any grid
-/// with a probability of up to 3 in 4.
-const CHANGES_PROVING: usize = 20;
 /// Delays, over the time from row to row, with which rows of the ECU itself are tried where its clock and another one explain the commands
 /// equally well: any phase within a row is such a delay.
 const DELAYS_WITHIN_ROW: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
@@ -96,8 +93,8 @@ fn find_clock_by(
     }
     let sample_time_s = plant.ecu.sample_time_s;
     let from_commands = clocks_from_commands(log.inputs(), sample_time_s);
-    let is_proven = changes >= CHANGES_PROVING && !admit_own_clock(log.inputs(), sample_time_s);
-    if !from_commands.is_empty() && is_proven {
+    let is_shown = !from_commands.is_empty() || log.is_slow();
+    if is_shown && prove_own_clock(log.inputs(), sample_time_s) {
         find_clock(plant, log, Delay::AsGiven, &[]);
         find_sampling(plant, evidence, Delay::AsGiven);
         return Some(());
@@ -140,7 +137,7 @@ fn may_have_clock(
     let (clocks, delays_s, own_delays_s) = if from_commands.is_empty() {
         let delays_s = delay.candidates_s(plant, DELAY_STEP_S);
         let clock = |share: &f64| LoggerClock::with_phase_at(0.0, share * sample_time_s, 0.0);
-        let clocks = delay.phases().iter().map(|share| Some(clock(share)));
+        let clocks = delay.phases(plant).iter().map(|share| Some(clock(share)));
         (clocks.collect(), delays_s.clone(), delays_s)
     } else {
         let clocks = from_commands
