@@ -60,6 +60,16 @@ impl LagOf {
         }
     }
 
+    /// Returns the motion of a valve, as a clause.
+    pub fn statement(self) -> &'static str {
+        match self {
+            Self::Spool => {
+                "the spool follows the command with the lag, and its position gives the opening"
+            }
+            Self::Opening => "the opening follows with the lag what the command gives at rest",
+        }
+    }
+
     /// Returns the part with this word.
     pub fn of_word(word: &str) -> Option<Self> {
         let known = LAGS.iter().find(|(known, _)| *known == word);

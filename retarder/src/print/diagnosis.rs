@@ -7,6 +7,7 @@ use model_lab::diagnosis::result::{
     NuisanceValue, Regime, Step, StepKind, Verdict,
 };
 use model_lab::result::{LogDefects, NotCompared, Warning};
+use plant_sim::parameters::LagOf;
 
 use super::comparison::warnings;
 use super::number::{percent, significant};
@@ -38,6 +39,7 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     text += &excluded(&found.not_compared, terminal);
     text += &defects(&found.defects, terminal);
     text += &conditions(&found.clocks, &found.starts, terminal);
+    text += &lag(found.lag_of.as_deref(), terminal);
     text += "\n";
     text += &error_steps(&found.error_steps, found.horizon, terminal);
     text += "\n";
@@ -113,6 +115,17 @@ pub(super) fn conditions<'a>(
     sentences
         .map(|sentence| painted_paragraph(Colour::Faint, &sentence, terminal))
         .collect()
+}
+
+/// Returns the part of the proportional valves that lags according to the logs; empty where the plant file states it.
+fn lag(found: Option<&str>, terminal: &Terminal) -> String {
+    let lag_of = found.and_then(LagOf::of_word);
+    lag_of.map_or_else(String::new, |lag_of| {
+        let (statement, word) = (lag_of.statement(), lag_of.word());
+        let sentence =
+            format!("Proportional valves: {statement} (`lag_of = \"{word}\"`); found in the logs.");
+        painted_paragraph(Colour::Faint, &sentence, terminal)
+    })
 }
 
 /// Returns the gaps and missing cells of each log.

@@ -44,6 +44,17 @@ impl Trial {
         [&self.fitted, &self.checked]
     }
 
+    /// Returns whether the fitted logs and what was held out ask for a further effect: those with a material error, without one that is
+    /// little beside a larger one.
+    fn sets_that_ask(&self) -> [bool; 2] {
+        let shows_much = |errors: &Errors| errors.is_material() && !errors.are_little();
+        let much = self.sets().map(shows_much);
+        match much.contains(&true) {
+            true => much,
+            false => self.sets().map(Errors::is_material),
+        }
+    }
+
     /// Whether a material error remains, on the fitted logs or on what was held out.
     pub(crate) fn is_material(&self) -> bool {
         self.sets().into_iter().any(Errors::is_material)
@@ -116,7 +127,7 @@ impl Trial {
         let ([base_fitted, base_checked], [fitted, checked]) = (base.sets(), self.sets());
         let sets = [[base_fitted, fitted], [base_checked, checked]];
         let excesses = sets.map(|set| set.map(Errors::total_excess));
-        let takes_most = takes_most_of_sets(excesses, base.sets().map(Errors::is_material))
+        let takes_most = takes_most_of_sets(excesses, base.sets_that_ask())
             || self.does_no_harm_to(base)
                 && takes_most_of_a_signal(&sets.map(|set| set.map(Errors::excess)), |signal| {
                     base.sets().map(|errors| errors.is_signal_material(signal))

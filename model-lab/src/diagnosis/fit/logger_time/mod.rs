@@ -269,9 +269,10 @@ mod tests {
     use recording::Recording;
 
     use super::*;
-    use crate::bench::logged_through;
+    use crate::bench::{logged_through, pressure_alone, spiked};
     use crate::diagnosis::evidence::log::{KnownClock, KnownPhase};
     use crate::diagnosis::fit::gather::gather;
+    use crate::noise::Noise;
 
     /// Fill, hold, vent, hold: duration (s) with the duty cycles (%).
     const PULSES: [(f64, f64, f64); 4] = [
@@ -363,6 +364,57 @@ mod tests {
             .knowledge
             .insert(COMMAND_DELAY.to_owned(), Knowledge::Exact);
         assert_eq!(slack_s(&exact), 0.0);
+    }
+
+    /// Defect seen: rows 50 ms apart were taken for samples that are 40 ms apart, and a sensor lag of 57 ms explained 3 %.
+    #[test]
+    fn rows_off_the_grid_of_the_ecu_have_a_clock() {
+        let plant = PlantParameters::nominal();
+        let has_clock = |interval_s: f64| {
+            let log = pressure_alone(&logged_through(
+                &plant,
+                (LoggerClock::default(), interval_s),
+                1,
+                &PULSES.repeat(15),
+            ));
+            let pressure = log.signal("p_ch").unwrap().len();
+            // The noise is so large that a clock does not show.
+            let mut noise = Noise::new(3);
+            let spikes = (0..pressure).map(|row| (row..row + 1, 0.3 * noise.normal()));
+            let log = spiked(&log, "p_ch", &spikes.collect::<Vec<_>>());
+            gather(&plant, [&log]).unwrap().logs[0]
+                .conditions
+                .clock
+                .is_some()
+        };
+        assert!(!has_clock(20e-3));
+        assert!(has_clock(16e-3));
+    }
+
+    /// Defect seen: a plant of on/off valves has no delay that compensates for a phase, and of three tried phases none showed its clock.
+    #[test]
+    fn phases_are_tried_closely_without_a_delay() {
+        let valves = "
+            supply_pressure_bar_gauge = 7
+            command_frequency_hz = 50
+            chamber_volume_cm3 = 300
+            fill_C_dm3_per_s_bar = 0.6
+            fill_b = 0.3
+            fill_opening_delay_ms = 6
+            fill_closing_delay_ms = 5
+            fill_opening_ramp_ms = 3
+            fill_closing_ramp_ms = 3
+            vent_C_dm3_per_s_bar = 0.6
+            vent_b = 0.3
+            vent_opening_delay_ms = 6
+            vent_closing_delay_ms = 5
+            vent_opening_ramp_ms = 3
+            vent_closing_ramp_ms = 3
+        ";
+        let on_off = PlantParameters::from_datasheet(valves, "plate").unwrap();
+        let count = |plant: &PlantParameters| Delay::Searched.phases(plant).len();
+        assert_eq!(count(&on_off), CLOSE_PHASES.len());
+        assert!(count(&PlantParameters::nominal()) < CLOSE_PHASES.len());
     }
 
     /// Defect seen: `diagnose` rejected the clock that `refine` had found. At the beginning of the log, where no drift was tried, 185 ppm
