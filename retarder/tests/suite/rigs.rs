@@ -46,7 +46,11 @@ vent_opening_ramp_ms = 3              # ±25 % and ±1
 vent_closing_ramp_ms = 3              # ±25 % and ±1
 ";
 
-/// Leads a rig with a leak from its data sheet to the name of the effect, through `inspect`.
+/// Steps of the pressure that the controller has to make.
+const PROFILE: &str = "time_s,p_ref_bar_gauge\n0,2\n2,4\n4,3\n6,3\n";
+
+/// Leads a rig with a leak from its data sheet to the name of the effect, through `inspect`, on to the plant file with the effect, and to a
+/// controller for it.
 fn check(kind: &Kind) {
     let bench = Bench::new();
     let sheet = kind.sheet.concat();
@@ -75,6 +79,32 @@ fn check(kind: &Kind) {
     ]);
     let said = said.ended_with(1);
     assert_contains(&said, &["Missing: chamber leak; with it "]);
+
+    let logs = ["--log", "my-log.csv", "--check", "my-check.csv"];
+    let refine = [
+        "refine",
+        "--plant",
+        "my-plant.toml",
+        "--add",
+        "chamber_leak",
+    ];
+    let refine = [&refine[..], &logs, &["--out", "my-refined.toml"]].concat();
+    assert_contains(&bench.run(&refine).ended_with(0), &["With chamber leak "]);
+
+    let controller = bench.run(&["tune", "--plant", "my-refined.toml"]);
+    bench.file("my-controller.toml", &controller.ended_with(0));
+    bench.file("my-profile.csv", PROFILE);
+    let said = bench.run(&[
+        "control",
+        "--plant",
+        "my-refined.toml",
+        "--controller",
+        "my-controller.toml",
+        "--reference",
+        "my-profile.csv",
+    ]);
+    let said = said.ended_with(0);
+    assert_contains(&said, &["Required by the thesis"]);
 }
 
 /// Returns a log: pulses of several sizes and holds, at pressures up to the supply.

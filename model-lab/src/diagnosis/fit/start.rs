@@ -31,6 +31,8 @@ const UNTYPICAL: f64 = 10.0;
 const WEAKENED: RangeInclusive<f64> = 1e-3..=0.5;
 /// Shares to which that of an effect with a sign is raised where its gain is expected: a fit reaches such sizes by itself.
 const STRENGTHENED: RangeInclusive<f64> = 2.0..=50.0;
+/// Distance from the end of a range, in coordinates, within which a parameter is at this end.
+const AT_END: f64 = 1e-6;
 /// Ratio of a neighbouring size, from which the power follows with which an effect grows with its size, ...
 const NEIGHBOUR: f64 = 0.8;
 /// ... within these powers.
@@ -63,9 +65,9 @@ pub(crate) struct Prospect {
 pub(crate) fn prospect(fitter: &Fitter, base: &Fit) -> Prospect {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let typical = vec![0.0; own.len()];
-    let room = Room::of(fitter, base);
-    let begin = |size: f64| Start::new(fitter, &room, own, size, &typical);
     let is_signed = own.iter().any(Unknown::is_signed);
+    let room = Room::of(fitter, base, is_signed);
+    let begin = |size: f64| Start::new(fitter, &room, own, size, &typical);
     let starts = if is_signed {
         SIGNED_SIZES.into_iter().filter_map(begin).collect()
     } else {
@@ -126,7 +128,7 @@ fn starts_of_sizes(without: f64, begin: impl Fn(f64) -> Option<Start>) -> Vec<St
 pub(crate) fn most_promising(fitter: &Fitter, base: &Fit, prospect: Prospect) -> Vec<Start> {
     let own = &fitter.unknowns.list()[base.z.len()..];
     let is_signed = own.iter().any(Unknown::is_signed);
-    let room = Room::of(fitter, base);
+    let room = Room::of(fitter, base, is_signed);
     let begin = |size: f64, shape: &[f64]| Start::new(fitter, &room, own, size, shape);
     let typical = vec![0.0; own.len()];
     let mut starts = prospect.starts;
@@ -199,6 +201,8 @@ struct BestShare {
 /// Fitted plant whose nuisance parameters adapt to an effect.
 struct Room<'a> {
     base: &'a Fit,
+    /// Whether each nuisance parameter stays where it is beside an effect with a sign: at the end of its range, which the fit would leave.
+    is_held: Vec<bool>,
     /// Cholesky factor of the curvature; none where the curvature is singular.
     curvature: Option<Cholesky<f64, Dyn>>,
     gradient: DVector<f64>,
@@ -207,11 +211,29 @@ struct Room<'a> {
 }
 
 impl<'a> Room<'a> {
-    fn of(fitter: &Fitter, base: &'a Fit) -> Self {
-        let (hessian, gradient) = fitter.normal(base);
+    /// An effect with a sign adds to the signals what a parameter at the end of its range does, the ambient pressure that of an absolute
+    /// pressure: this parameter must not seem to account for it.
+    fn of(fitter: &Fitter, base: &'a Fit, is_signed: bool) -> Self {
+        let (mut hessian, mut gradient) = fitter.normal(base);
         let (_, decrease) = fitter.step(base, 0.0);
+        let list = fitter.unknowns.list().iter().zip(&base.z);
+        let is_held: Vec<bool> = list
+            .zip(&gradient)
+            .map(|((unknown, &z), &slope)| {
+                let (least, most) = unknown.bounds();
+                let leaves = z - least < AT_END && slope > 0.0 || most - z < AT_END && slope < 0.0;
+                is_signed && leaves
+            })
+            .collect();
+        for n in (0..is_held.len()).filter(|&n| is_held[n]) {
+            hessian.row_mut(n).fill(0.0);
+            hessian.column_mut(n).fill(0.0);
+            hessian[(n, n)] = 1.0;
+            gradient[n] = 0.0;
+        }
         Self {
             base,
+            is_held,
             curvature: hessian.cholesky(),
             gradient,
             without: base.cost - decrease.max(0.0),
@@ -221,10 +243,12 @@ impl<'a> Room<'a> {
     /// Returns the best share as if the residuals were linear in `added` and in the nuisance parameters, whose part is removed first.
     fn best_share(&self, added: &[f64]) -> Option<BestShare> {
         let columns = self.base.jacobian.iter();
-        let shared = DVector::from_iterator(
-            self.base.jacobian.len(),
-            columns.map(|column| dot(column, added)),
-        );
+        let columns = columns.zip(&self.is_held);
+        let shared = columns.map(|(column, is_held)| match is_held {
+            true => 0.0,
+            false => dot(column, added),
+        });
+        let shared = DVector::from_iterator(self.base.jacobian.len(), shared);
         let room = self.curvature.as_ref()?.solve(&shared);
         let along = dot(added, &self.base.residuals) - room.dot(&self.gradient);
         let across = square(added) - room.dot(&shared);
