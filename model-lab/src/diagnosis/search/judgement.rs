@@ -44,15 +44,10 @@ impl Trial {
         [&self.fitted, &self.checked]
     }
 
-    /// Returns whether the fitted logs and what was held out ask for a further effect: those with a material error, without one that is
-    /// little beside a larger one.
+    /// Returns whether the fitted logs and what was held out ask for a further effect.
     fn sets_that_ask(&self) -> [bool; 2] {
-        let shows_much = |errors: &Errors| errors.is_material() && !errors.are_little();
-        let much = self.sets().map(shows_much);
-        match much.contains(&true) {
-            true => much,
-            false => self.sets().map(Errors::is_material),
-        }
+        let is_material = self.sets().map(Errors::is_material);
+        that_ask(is_material, self.sets().map(Errors::are_little))
     }
 
     /// Whether a material error remains, on the fitted logs or on what was held out.
@@ -136,6 +131,16 @@ impl Trial {
     }
 }
 
+/// Returns which sets of logs ask for a further effect: those with a material error, without those where it is little beside one where it is
+/// not.
+fn that_ask(is_material: [bool; 2], are_little: [bool; 2]) -> [bool; 2] {
+    let show_much = [0, 1].map(|set| is_material[set] && !are_little[set]);
+    match show_much.contains(&true) {
+        true => show_much,
+        false => is_material,
+    }
+}
+
 /// Returns whether a further effect takes most of the `excesses` of one signal, before it and left with it, on the fitted logs and on what
 /// was held out: an effect shows in some signals, and other ones may be missing in the rest.
 fn takes_most_of_a_signal(
@@ -175,7 +180,18 @@ fn takes_most([before, left]: [f64; 2], is_asked: bool) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{BySignal, takes_most, takes_most_of_a_signal, takes_most_of_sets};
+    use super::{BySignal, takes_most, takes_most_of_a_signal, takes_most_of_sets, that_ask};
+
+    /// Defect seen: a sensor offset took all of the fitted logs' excess of 1.18. It was not named, because the check log, which needs values
+    /// that the fitted logs leave open, went from 0.47 to 0.39.
+    #[test]
+    fn a_little_error_beside_a_large_one_asks_for_no_further_effect() {
+        assert_eq!(that_ask([true, true], [false, true]), [true, false]);
+        assert_eq!(that_ask([true, true], [true, true]), [true, true]);
+        assert_eq!(that_ask([true, true], [false, false]), [true, true]);
+        assert_eq!(that_ask([false, true], [true, true]), [false, true]);
+        assert_eq!(that_ask([false, true], [true, false]), [false, true]);
+    }
 
     /// Defect seen: a side chamber took the excess of the check log from 0.76 to 0.07. It was not named, because the fitted log excites it
     /// less, and showed 0.037.
