@@ -19,6 +19,8 @@ struct Kind {
     duration_ns: u64,
     /// Duty cycle, state or command (%) of each pulse.
     pulses_pct: [f64; 6],
+    /// That which shuts the vent valve (%).
+    vent_shut_pct: f64,
 }
 
 const SHORT_NS: u64 = 24_000_000_000;
@@ -53,10 +55,11 @@ const PROFILE: &str = "time_s,p_ref_bar_gauge\n0,2\n2,4\n4,3\n6,3\n";
 /// controller for it.
 fn check(kind: &Kind) {
     let bench = Bench::new();
+    let run = |line: &str| bench.run(&line.split(' ').collect::<Vec<_>>());
     let sheet = kind.sheet.concat();
     bench.file("my-rig.toml", &sheet);
-    let plant = bench.run(&["parameters", "--from-datasheet", "my-rig.toml"]);
-    bench.file("my-plant.toml", &plant.ended_with(0));
+    let plant = run("parameters --from-datasheet my-rig.toml").ended_with(0);
+    bench.file("my-plant.toml", &plant);
     let sheet = PlantParameters::from_datasheet(&sheet, "my-rig.toml").unwrap();
     let leak = EffectSetting::typical(by_id("chamber_leak").unwrap());
     let mut rig = sheet.with_effect(leak.with("area_m2", 4e-8));
@@ -65,45 +68,22 @@ fn check(kind: &Kind) {
     }
     for (seed, name) in [(1, "my-log.csv"), (2, "my-check.csv")] {
         bench.file(name, &log(&rig, kind, seed));
-        let shown = bench.run(&["inspect", name]).ended_with(0);
+        let shown = run(&format!("inspect {name}")).ended_with(0);
         assert_contains(&shown, &["duty_fill", "duty_vent", "p_ch"]);
     }
-    let said = bench.run(&[
-        "diagnose",
-        "--plant",
-        "my-plant.toml",
-        "--log",
-        "my-log.csv",
-        "--check",
-        "my-check.csv",
-    ]);
-    let said = said.ended_with(1);
+    let logs = "--log my-log.csv --check my-check.csv";
+    let said = run(&format!("diagnose --plant my-plant.toml {logs}")).ended_with(1);
     assert_contains(&said, &["Missing: chamber leak; with it "]);
 
-    let logs = ["--log", "my-log.csv", "--check", "my-check.csv"];
-    let refine = [
-        "refine",
-        "--plant",
-        "my-plant.toml",
-        "--add",
-        "chamber_leak",
-    ];
-    let refine = [&refine[..], &logs, &["--out", "my-refined.toml"]].concat();
-    assert_contains(&bench.run(&refine).ended_with(0), &["With chamber leak "]);
+    let refine = "refine --plant my-plant.toml --add chamber_leak --out my-refined.toml";
+    let said = run(&format!("{refine} {logs}")).ended_with(0);
+    assert_contains(&said, &["With chamber leak "]);
 
-    let controller = bench.run(&["tune", "--plant", "my-refined.toml"]);
-    bench.file("my-controller.toml", &controller.ended_with(0));
+    let controller = run("tune --plant my-refined.toml").ended_with(0);
+    bench.file("my-controller.toml", &controller);
     bench.file("my-profile.csv", PROFILE);
-    let said = bench.run(&[
-        "control",
-        "--plant",
-        "my-refined.toml",
-        "--controller",
-        "my-controller.toml",
-        "--reference",
-        "my-profile.csv",
-    ]);
-    let said = said.ended_with(0);
+    let files = "--plant my-refined.toml --controller my-controller.toml";
+    let said = run(&format!("control {files} --reference my-profile.csv")).ended_with(0);
     assert_contains(&said, &["Required by the thesis"]);
 }
 
@@ -123,17 +103,14 @@ fn log(rig: &PlantParameters, kind: &Kind, seed: u64) -> String {
         let time_s = (sample * sample_time_ns) as f64 * 1e-9;
         let cycle = (time_s / 2.4) as usize;
         let pulse_pct = kind.pulses_pct[(cycle * (1 + seed as usize) + seed as usize) % 6];
-        let command = match time_s % 2.4 {
-            ..0.3 => Command::default(),
-            0.3..0.7 => Command {
-                duty_fill_pct: pulse_pct,
-                duty_vent_pct: 0.0,
-            },
-            1.7..2.0 => Command {
-                duty_fill_pct: 0.0,
-                duty_vent_pct: pulse_pct,
-            },
-            _ => Command::default(),
+        let [fill_pct, vent_pct] = match time_s % 2.4 {
+            0.3..0.7 => [pulse_pct, 0.0],
+            1.7..2.0 => [0.0, pulse_pct],
+            _ => [0.0, 0.0],
+        };
+        let command = Command {
+            duty_fill_pct: fill_pct,
+            duty_vent_pct: (kind.vent_shut_pct - vent_pct).abs(),
         };
         let [_, _, p_ch, ..] = model.row(ReplayInput {
             issued_ns: sample * sample_time_ns,
@@ -167,6 +144,7 @@ fn a_pair_of_on_off_valves_is_led_to_its_leak() {
         interval_ns: 10_000_000,
         duration_ns: SHORT_NS,
         pulses_pct: [100.0; 6],
+        vent_shut_pct: 0.0,
     });
 }
 
@@ -188,6 +166,7 @@ fn a_hose_that_grows_is_led_to_its_leak() {
         interval_ns: 10_000_000,
         duration_ns: SHORT_NS,
         pulses_pct: [31.0, 45.0, 60.0, 37.0, 77.0, 100.0],
+        vent_shut_pct: 0.0,
     });
 }
 
@@ -211,6 +190,7 @@ fn two_chambers_are_led_to_their_leak() {
         interval_ns: 10_000_000,
         duration_ns: SHORT_NS,
         pulses_pct: [40.0, 45.0, 60.0, 53.0, 77.0, 100.0],
+        vent_shut_pct: 0.0,
     });
 }
 
@@ -236,6 +216,35 @@ fn proportional_valves_are_led_to_their_leak() {
         interval_ns: 5_000_000,
         duration_ns: SHORT_NS,
         pulses_pct: [25.0, 45.0, 60.0, 35.0, 80.0, 100.0],
+        vent_shut_pct: 0.0,
+    });
+}
+
+#[test]
+fn a_vent_valve_that_a_current_shuts_is_led_to_its_leak() {
+    check(&Kind {
+        sheet: &[
+            "supply_pressure_bar_gauge = 8.4       # regulator, ±0.3\n",
+            "command_frequency_hz = 100            # set in the controller, exact\n",
+            "command_delay_ms = 15                 # ±25 %\n",
+            "supply_voltage_v = 24                 # multimeter, ±3 %\n",
+            "chamber_volume_cm3 = 80               # tape measure, ±15 %\n",
+            "orifice_fill_mm = 1.9                 # data sheet, ±2 %\n",
+            "orifice_vent_mm = 1.9                 # data sheet, ±2 %\n",
+            "coil_power_w = 7                      # data sheet, ±5 %\n",
+            "fill_valve_opens_at_ma = 206          # tried without pressure, ±5 %\n",
+            "vent_valve_shuts_at_ma = 133          # tried without pressure, ±5 %\n",
+        ],
+        truth: &[
+            ("chamber.volume_m3", 88e-6),
+            ("flow.discharge_vent", 0.66),
+            ("ecu.command_delay_s", 16.5e-3),
+        ],
+        header: "time_s,duty_fill_pct,duty_vent_pct,p_ch_bar_gauge",
+        interval_ns: 5_000_000,
+        duration_ns: SHORT_NS,
+        pulses_pct: [31.0, 37.0, 45.0, 33.0, 53.0, 60.0],
+        vent_shut_pct: 100.0,
     });
 }
 
