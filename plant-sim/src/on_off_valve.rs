@@ -31,12 +31,22 @@ impl Switching {
         }
     }
 
-    /// Takes over the output at `now_ns`; returns the motion of a valve that turns now.
-    pub(crate) fn update(&mut self, now_ns: u64, is_commanded: bool) -> Option<Turn> {
+    /// Takes over the output at `now_ns`; returns the motion of a valve that turns now. `opening_factor` multiplies the opening delay.
+    pub(crate) fn update(
+        &mut self,
+        now_ns: u64,
+        is_commanded: bool,
+        opening_factor: f64,
+    ) -> Option<Turn> {
         if is_commanded != self.is_commanded {
             self.is_commanded = is_commanded;
-            let delay_ns = self.delays_ns[usize::from(!is_commanded)];
-            self.turns_ns = (is_commanded != self.is_opening).then(|| now_ns + delay_ns);
+            let [opening_ns, closing_ns] = self.delays_ns;
+            let delay_ns = match is_commanded {
+                true => (opening_ns as f64 * opening_factor).round() as u64,
+                false => closing_ns,
+            };
+            let turns = is_commanded != self.is_opening;
+            self.turns_ns = turns.then(|| now_ns.saturating_add(delay_ns));
         }
         self.turns_ns.take_if(|turns_ns| *turns_ns <= now_ns)?;
         self.is_opening = is_commanded;

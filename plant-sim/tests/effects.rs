@@ -2,6 +2,7 @@
 
 use plant_sim::effects::{EffectSetting, LIBRARY, Variant, by_id};
 use plant_sim::parameters::{NOMINAL_PLANT_TOML, PARAMETERS};
+use plant_sim::valve::ValveFunction;
 use plant_sim::{Command, PlantParameters, Sample, Simulator, Statistics, Tolerance};
 use proptest::prelude::*;
 
@@ -138,23 +139,42 @@ fn the_ids_are_those_of_the_design() {
             "supply_line_droop",
             "supply_resistance",
             "supply_seat_leak",
+            "switching_delay",
         ]
     );
+}
+
+/// Returns the nominal plant with two on/off valves.
+fn on_off() -> PlantParameters {
+    let mut plant = PlantParameters::nominal();
+    plant.functions = [ValveFunction::OnOff; 2];
+    for valve in [&mut plant.on_off_fill, &mut plant.on_off_vent] {
+        (valve.conductance_dm3_per_s_bar, valve.critical_ratio) = (0.1, 0.3);
+        (valve.opening_delay_s, valve.closing_delay_s) = (2e-3, 1e-3);
+        (valve.opening_ramp_s, valve.closing_ramp_s) = (1e-3, 1e-3);
+    }
+    plant
 }
 
 #[test]
 fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
     // Fifteen seconds warm the coils.
     let duties = [vec![(100.0, 0.0); 1500], test_signal()].concat();
-    let nominal = PlantParameters::nominal();
-    let (plain, _) = run(&nominal, &duties, Tolerance::default());
-    for setting in settings() {
+    let plants = [PlantParameters::nominal(), on_off()];
+    let plain = plants
+        .each_ref()
+        .map(|plant| run(plant, &duties, Tolerance::default()).0);
+    // The voltage is that of the plant file here.
+    let shows = |setting: &EffectSetting| setting.variant().name != "voltage";
+    for setting in settings().into_iter().filter(shows) {
         let name = format!("{} as {}", setting.id(), setting.variant().name);
-        let (with, _) = run(&nominal.with_effect(setting), &duties, Tolerance::default());
+        let kind = usize::from(setting.id() == "switching_delay");
+        let (plant, plain) = (&plants[kind], &plain[kind]);
+        let (with, _) = run(&plant.with_effect(setting), &duties, Tolerance::default());
         let worst = |what: &dyn Fn(&Sample) -> f64| {
             let differences = with
                 .iter()
-                .zip(&plain)
+                .zip(plain)
                 .map(|(a, b)| (what(a) - what(b)).abs());
             differences.fold(0.0, f64::max)
         };

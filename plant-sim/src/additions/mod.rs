@@ -7,6 +7,7 @@ mod growth;
 mod heating;
 mod leak;
 mod line;
+mod opening_delay;
 mod plunger;
 mod saturation;
 mod sensor_lag;
@@ -22,6 +23,7 @@ pub use heating::{HeatStore, Heating};
 pub use leak::Leak;
 pub(crate) use leak::LeakLaw;
 pub use line::Line;
+pub use opening_delay::OpeningDelay;
 pub use plunger::Plunger;
 pub(crate) use plunger::Volume;
 pub use saturation::Saturation;
@@ -63,6 +65,8 @@ pub struct Additions {
     pub eddy_conductance: f64,
     /// Resistance that the currents of both coils pass (Ω).
     pub supply_resistance: f64,
+    /// Resistance of the switch of each coil, which the freewheeling current does not pass (Ω).
+    pub switch_resistance: f64,
     /// Voltage loss of the battery under a lasting current.
     pub polarisation: Option<Polarisation>,
     /// Resistance in the freewheeling loop only (Ω).
@@ -75,6 +79,8 @@ pub struct Additions {
     pub restitution: f64,
     /// Loss of pressure force of an open valve.
     pub flow_force: FlowForce,
+    /// Opening delay of the valves without a coil.
+    pub opening_delay: Option<OpeningDelay>,
     /// Lag of the pressure sensor.
     pub sensor_lag: Option<SensorLag>,
     /// Hysteresis of the sensor: difference of its readings at one pressure (Pa).

@@ -29,11 +29,12 @@ pub mod static_friction;
 pub mod supply_line_droop;
 pub mod supply_resistance;
 pub mod supply_seat_leak;
+pub mod switching_delay;
 
 pub use crate::description::{About, Effect, EffectSetting, EntryPoint, OwnEffects, Variant};
 
 /// All effects of the library. They are installed in this order, independent of the order in the plant file.
-pub static LIBRARY: [&dyn Effect; 21] = [
+pub static LIBRARY: [&dyn Effect; 22] = [
     &chamber_leak::ChamberLeak,
     &supply_seat_leak::SupplySeatLeak,
     &coil_ambient_temperature::CoilAmbientTemperature,
@@ -55,6 +56,7 @@ pub static LIBRARY: [&dyn Effect; 21] = [
     &flow_force::FlowForce,
     &series_restriction::SeriesRestriction,
     &dead_volume::DeadVolume,
+    &switching_delay::SwitchingDelay,
 ];
 
 /// Returns the effect of the library with this id.

@@ -32,6 +32,11 @@ static ABOUT: About = About {
             parameters: &[&RESISTANCE],
         },
         Variant {
+            name: "switch",
+            about: "the switch of each coil in the ECU, which the freewheeling current does not pass",
+            parameters: &[&RESISTANCE],
+        },
+        Variant {
             name: "polarisation",
             about: "a shared lead, and a battery whose voltage gives way further under a lasting current",
             parameters: &[&RESISTANCE, &POLARISATION, &TIME],
@@ -52,12 +57,14 @@ impl Effect for SupplyResistance {
 
     fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
         let resistance = setting.value("resistance_ohm");
-        if setting.variant().name == "per_coil" {
-            for valve in &mut plant.valves {
-                valve.coil.resistance += resistance;
+        match setting.variant().name {
+            "per_coil" => {
+                for valve in &mut plant.valves {
+                    valve.coil.resistance += resistance;
+                }
             }
-        } else {
-            plant.additions.supply_resistance = resistance;
+            "switch" => plant.additions.switch_resistance = resistance,
+            _ => plant.additions.supply_resistance = resistance,
         }
         let polarisation = setting.get("polarisation_ohm").filter(|ohm| *ohm > 0.0);
         plant.additions.polarisation = polarisation.map(|resistance| Polarisation {
@@ -94,12 +101,42 @@ mod tests {
             ("shared", 100.0, 24.0 / 102.2),
             ("per_coil", 0.0, 24.0 / 92.2),
             ("per_coil", 100.0, 24.0 / 92.2),
+            ("switch", 0.0, 24.0 / 92.2),
+            ("switch", 100.0, 24.0 / 92.2),
         ] {
             let current = current(variant, together, 500);
             assert!(
                 (current - expected).abs() < 1e-5,
                 "{variant}: {current} {expected}"
             );
+        }
+    }
+
+    /// E5: the freewheeling current decays through the coil's own resistance alone, from 24 V/(R + R_s).
+    #[test]
+    fn the_freewheeling_current_does_not_pass_the_switch() {
+        for (variant, loop_resistance) in [("switch", 82.2), ("per_coil", 92.2)] {
+            let variant = ABOUT.variant(variant).unwrap();
+            let setting = EffectSetting::typical_variant(&SupplyResistance, variant);
+            let setting = setting.with("resistance_ohm", 10.0);
+            let mut plant = PlantParameters::nominal().with_effect(setting);
+            plant.armature.preload_fill_n = 100.0;
+            plant.ecu.command_delay_s = 0.0;
+            let mut simulator = Simulator::new(&plant);
+            for (at_ns, duty_fill_pct) in [(0, 100.0), (100_000_000, 0.0)] {
+                simulator.advance_to_ns(at_ns);
+                simulator.command(Command {
+                    duty_fill_pct,
+                    duty_vent_pct: 0.0,
+                });
+            }
+            let start = 24.0 / 92.2_f64;
+            let end = 0.44 / loop_resistance * (start * loop_resistance / 0.8).ln_1p();
+            for (share, flows) in [(0.99, true), (1.01, false)] {
+                simulator.advance_to_ns(100_000_000 + (share * end * 1e9) as u64);
+                let current = simulator.sample().current[0];
+                assert_eq!(current > 0.0, flows, "{}: {current}", variant.name);
+            }
         }
     }
 

@@ -42,7 +42,8 @@ pub(super) fn loop_resistance(plant: &Plant, index: usize, drive: Drive) -> f64 
     let coil = plant.valves[index].coil.resistance;
     match drive {
         Drive::Freewheeling(_) => coil + plant.additions.freewheeling_resistance,
-        Drive::Energised(_) | Drive::Blocked => coil,
+        Drive::Energised(_) => coil + plant.additions.switch_resistance,
+        Drive::Blocked => coil,
     }
 }
 

@@ -360,8 +360,9 @@ impl Simulator {
         });
         either!(&mut self.engine, solver => drive(solver, coils, self.supply_voltage));
         for (valve, high) in high.into_iter().enumerate() {
+            let factor = self.opening_factor(valve);
             let switching = self.switching[valve].as_mut();
-            if let Some(to) = switching.and_then(|one| one.update(self.time_ns, high)) {
+            if let Some(to) = switching.and_then(|one| one.update(self.time_ns, high, factor)) {
                 either!(&mut self.engine, solver => turn(solver, valve, to));
             }
         }
@@ -377,6 +378,16 @@ impl Simulator {
             solver.physics.set_duty_pct(self.ecu_output.in_force_pct());
             solver.physics.switched(&mut solver.state);
         }
+    }
+
+    /// Returns the opening delay of an on/off valve over that of the plant file.
+    fn opening_factor(&self, valve: usize) -> f64 {
+        let plant = self.plant();
+        let delay = plant.additions.opening_delay.as_ref();
+        delay.map_or(1.0, |delay| {
+            let drop = plant.pressure_drop(valve, self.state().pressure);
+            delay.factor(self.supply_voltage, drop)
+        })
     }
 }
 

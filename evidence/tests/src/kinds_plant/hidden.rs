@@ -12,8 +12,29 @@ pub struct HiddenEffects {
     pub heat_w_per_k: Option<[f64; 2]>,
     /// Line before the fill valve.
     pub supply_line: Option<SupplyLine>,
+    /// Current that moves the armatures of the on/off valves. Without it, their delays are those of any pressure.
+    pub pull_in: Option<PullIn>,
     /// Errors of the pressure sensors.
     pub sensor: SensorErrors,
+}
+
+/// Current at which the magnet overcomes a spring and the pressure difference at the valve, on which the opening delay depends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PullIn {
+    /// Its share of the final current, with the supply pressure across the valve (-).
+    pub current: f64,
+    /// Share of the pressure in the force there (-).
+    pub pressure_force: f64,
+}
+
+impl PullIn {
+    /// Returns the opening delay over that with the supply pressure across the valve, at a pressure difference over the supply pressure.
+    /// The force of the magnet grows with the square of the current, which rises exponentially to its final value.
+    pub fn delay(&self, difference: f64) -> f64 {
+        let force = 1.0 + self.pressure_force * (difference - 1.0);
+        let time = |current: f64| -(1.0 - current).ln();
+        time((self.current * force.max(0.0).sqrt()).min(0.999)) / time(self.current)
+    }
 }
 
 /// Narrow place of the supply line, and the volume between it and the fill valve.

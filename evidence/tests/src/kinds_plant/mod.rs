@@ -8,6 +8,7 @@
 //! | gas | mass and internal energy | pressure |
 //! | hose | pressure from the energy by Newton's method | derivative of the volume |
 //! | proportional valve | lag of the spool, before the characteristic | lag of the open share, behind it |
+//! | opening delay with the pressure | a coil that charges up to the force balance | straight line |
 //! | heat of the second chamber | a value of its own | by the area of the wall |
 //! | solution | Runge-Kutta of order 4, fixed steps, restarted where a valve switches | event-driven, adaptive |
 //!
@@ -26,7 +27,7 @@ mod sensor;
 mod tests;
 mod valve;
 
-pub use hidden::{HiddenEffects, SupplyLine};
+pub use hidden::{HiddenEffects, PullIn, SupplyLine};
 pub use hose::Walls;
 pub use on_off_valve::SwitchingTimes;
 pub use orifice::Conductance;

@@ -38,14 +38,15 @@ impl OnOffValve {
         }
     }
 
-    /// Switches the command at a time (s). A command that is back before its delay has passed moves nothing.
-    pub(super) fn command(&mut self, time_s: f64, is_on: bool) {
+    /// Switches the command at a time (s), with the opening delay times `opening`. A command that is back before its delay has passed
+    /// moves nothing.
+    pub(super) fn command(&mut self, time_s: f64, is_on: bool, opening: f64) {
         if is_on == self.is_commanded {
             return;
         }
         self.is_commanded = is_on;
         let delay_s = if is_on {
-            self.times.opening_delay_s
+            opening * self.times.opening_delay_s
         } else {
             self.times.closing_delay_s
         };
@@ -103,7 +104,7 @@ mod tests {
         let mut time_s = 0.0;
         let ends = commands.iter().skip(1).map(|(at, _)| *at).chain([end_s]);
         for (&(at_s, is_on), end_s) in commands.iter().zip(ends) {
-            valve.command(at_s, is_on);
+            valve.command(at_s, is_on, 1.0);
             time_s = f64::max(time_s, at_s);
             while valve.next_event_s(time_s) <= end_s {
                 time_s = valve.next_event_s(time_s);

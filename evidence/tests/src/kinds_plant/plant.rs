@@ -52,8 +52,8 @@ impl KindPlant {
         let begin_s = self.time_s + self.rig.command_delay_s;
         for (valve, command_pct) in self.valves.iter_mut().zip(commands_pct) {
             valve.begin_period(begin_s, self.rig.command_period_s, command_pct);
-            valve.pass(self.time_s);
         }
+        self.pass();
     }
 
     /// Runs to a time (s).
@@ -64,9 +64,24 @@ impl KindPlant {
             let next_s = events.fold(end_s, f64::min);
             self.integrate(next_s);
             self.time_s = next_s;
-            for valve in &mut self.valves {
-                valve.pass(next_s);
-            }
+            self.pass();
+        }
+    }
+
+    /// Applies what changes at the valves at the present time.
+    fn pass(&mut self) {
+        let KindRig {
+            supply_pa,
+            ambient_pa,
+            ..
+        } = self.rig;
+        let (chamber_pa, _) = self.gas.conditions(&self.state).chambers[0];
+        let differences = [supply_pa - chamber_pa, chamber_pa - ambient_pa];
+        for (valve, difference_pa) in self.valves.iter_mut().zip(differences) {
+            let pull_in = self.rig.hidden.pull_in.as_ref();
+            let share = difference_pa / (supply_pa - ambient_pa);
+            let opening = pull_in.map_or(1.0, |pull_in| pull_in.delay(share));
+            valve.pass(self.time_s, opening);
         }
     }
 

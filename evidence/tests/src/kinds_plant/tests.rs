@@ -75,6 +75,32 @@ fn choked_filling_is_linear_in_time() {
     assert!((five - four - rate * 20e-3).abs() < 0.1, "{four} {five}");
 }
 
+/// Half of the force at the full difference is the pressure's: the armature moves at 0.6 and at 0.6/√2 of the final current.
+#[test]
+fn a_valve_without_a_pressure_difference_opens_earlier() {
+    let pull_in = PullIn {
+        current: 0.6,
+        pressure_force: 0.5,
+    };
+    let expected = (1.0 - 0.6 / 2_f64.sqrt()).ln() / 0.4_f64.ln();
+    assert!((pull_in.delay(0.0) - expected).abs() < 1e-12);
+    let mut rig = rig();
+    let [_, plain] = filled(&rig);
+    rig.start_pa = 0.5 * (rig.supply_pa + rig.ambient_pa);
+    let [_, half_full] = filled(&rig);
+    rig.hidden.pull_in = Some(pull_in);
+    let [_, earlier] = filled(&rig);
+    let rate = choked(0.6, rig.supply_pa) * GAS_CONSTANT * TEMPERATURE_K / rig.chamber_m3;
+    let expected = half_full + rate * 6e-3 * (1.0 - pull_in.delay(0.5));
+    assert!(
+        earlier > half_full && earlier < expected,
+        "{earlier} {expected}"
+    );
+    rig.start_pa = rig.ambient_pa;
+    let [_, full_difference] = filled(&rig);
+    assert!((full_difference - plain).abs() < 0.1);
+}
+
 /// Without heat to the wall, the enthalpy of the inflow makes the pressure rise k times as fast.
 #[test]
 fn choked_filling_without_heat_is_faster_by_the_ratio_of_heat_capacities() {
@@ -205,6 +231,10 @@ fn a_half_as_long_step_changes_the_pressure_by_less_than_a_tenth_of_a_millibar()
         supply_line: Some(SupplyLine {
             restriction: conductance(0.4, 0.3),
             volume_m3: 60e-6,
+        }),
+        pull_in: Some(PullIn {
+            current: 0.6,
+            pressure_force: 0.5,
         }),
         sensor: SensorErrors {
             offset_pa: 3e3,

@@ -70,13 +70,13 @@ impl Valve {
         }
     }
 
-    /// Applies all changes up to `time_s`.
-    pub(super) fn pass(&mut self, time_s: f64) {
+    /// Applies all changes up to `time_s`; `opening` multiplies the opening delay of an on/off valve.
+    pub(super) fn pass(&mut self, time_s: f64, opening: f64) {
         while let Some(&(at_s, output_pct)) = self.outputs.front()
             && at_s <= time_s
         {
             match &mut self.moving {
-                Moving::OnOff(valve) => valve.command(at_s, output_pct > 0.0),
+                Moving::OnOff(valve) => valve.command(at_s, output_pct > 0.0, opening),
                 Moving::Proportional(valve) => valve.command(at_s, output_pct),
             }
             self.outputs.pop_front();

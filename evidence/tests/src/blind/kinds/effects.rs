@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::field::logarithmic;
 use crate::chance::Chance;
-use crate::kinds_plant::{Conductance, KindRig, SupplyLine};
+use crate::kinds_plant::{Conductance, Drive, KindRig, PullIn, SupplyLine};
 
 /// Shares of the rigs with no hidden effect and with one; the others have two.
 const NONE: f64 = 0.25;
@@ -22,6 +22,9 @@ const AIR_J_PER_K_M3: f64 = 1.19 * 718.0;
 const LINE_OVER_VALVE: [f64; 2] = [0.5, 1.5];
 const LINE_RATIO: [f64; 2] = [0.2, 0.45];
 const LINE_M3: [f64; 2] = [50e-6, 300e-6];
+/// Share of the final current at which a valve moves, and share of the pressure in the force.
+const PULL_IN: [f64; 2] = [0.4, 0.8];
+const PRESSURE_FORCE: [f64; 2] = [0.2, 0.7];
 /// Offset and drift of a sensor (Pa), its warm-up (s), and its lag (s).
 const OFFSET_PA: [f64; 2] = [3e3, 15e3];
 const DRIFT_PA: [f64; 2] = [5e3, 20e3];
@@ -37,11 +40,12 @@ pub(super) enum Effect {
     SensorOffset,
     SensorDrift,
     SensorLag,
+    PullIn,
 }
 
 impl Effect {
     /// Effects to draw from; every id of the library is as likely.
-    const DRAWN: [Self; 10] = [
+    const DRAWN: [Self; 12] = [
         Self::Leak,
         Self::Leak,
         Self::Heat,
@@ -52,6 +56,8 @@ impl Effect {
         Self::SensorLag,
         Self::SensorOffset,
         Self::SensorDrift,
+        Self::PullIn,
+        Self::PullIn,
     ];
 
     /// Returns the id in the library.
@@ -62,7 +68,14 @@ impl Effect {
             Self::SupplyLine => "supply_line_droop",
             Self::SensorOffset | Self::SensorDrift => "sensor_offset",
             Self::SensorLag => "sensor_lag",
+            Self::PullIn => "switching_delay",
         }
+    }
+
+    /// Returns whether a rig has the part on which the effect acts.
+    fn acts_on(self, rig: &KindRig) -> bool {
+        let is_on_off = matches!(rig.valves[0].drive, Drive::OnOff(_));
+        self != Self::PullIn || is_on_off
     }
 
     /// Draws this effect of a rig.
@@ -105,6 +118,12 @@ impl Effect {
                 hidden.sensor.warm_up_s = between(WARM_UP_S, chance);
             }
             Self::SensorLag => hidden.sensor.lag_s = logarithmic(LAG_S, chance),
+            Self::PullIn => {
+                hidden.pull_in = Some(PullIn {
+                    current: between(PULL_IN, chance),
+                    pressure_force: between(PRESSURE_FORCE, chance),
+                });
+            }
         }
     }
 
@@ -119,6 +138,7 @@ impl Effect {
             Self::SensorOffset => hidden.sensor.offset_pa = 0.0,
             Self::SensorDrift => hidden.sensor.drift_pa = 0.0,
             Self::SensorLag => hidden.sensor.lag_s = 0.0,
+            Self::PullIn => hidden.pull_in = None,
         }
         rig
     }
@@ -149,6 +169,10 @@ impl Effect {
                 ("warm_up_s", sensor.warm_up_s),
             ],
             Self::SensorLag => vec![("time_constant_s", sensor.lag_s)],
+            Self::PullIn => {
+                let alone = hidden.pull_in.map_or(1.0, |pull_in| pull_in.delay(0.0));
+                vec![("pressure_share", 1.0 - alone)]
+            }
         };
         let named = values.into_iter();
         named.map(|(key, value)| (key.to_owned(), value)).collect()
@@ -162,7 +186,7 @@ pub(super) fn hide(rig: &mut KindRig, count: Option<usize>, chance: &mut Chance)
     let mut effects: Vec<Effect> = Vec::new();
     while effects.len() < count.unwrap_or(drawn) {
         let effect = chance.one_of(&Effect::DRAWN);
-        if effects.iter().all(|other| other.id() != effect.id()) {
+        if effect.acts_on(rig) && effects.iter().all(|other| other.id() != effect.id()) {
             effect.draw(rig, chance);
             effects.push(effect);
         }
