@@ -8,7 +8,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use recording::csv::{self, Mapping};
-use recording::table::{write_matlab, write_parquet};
+use recording::table::{write_matlab, write_matlab_hdf5, write_parquet};
 use recording::{
     LogError, LogFormat, LogOptions, Recording, inspect_file, read_log, read_log_file,
 };
@@ -190,7 +190,8 @@ fn what_is_written_is_read_back_bit_for_bit() {
     let (base, times) = recording.time_bases().next().unwrap();
     let parquet = write_parquet(Vec::new(), &recording, base).unwrap();
     let matlab = write_matlab(Vec::new(), &recording, base).unwrap();
-    for bytes in [parquet, matlab] {
+    let hdf5 = write_matlab_hdf5(Vec::new(), &recording, base).unwrap();
+    for bytes in [parquet, matlab, hdf5] {
         let read = read_log("written", Cursor::new(&bytes), &LogOptions::default()).unwrap();
         assert_eq!(
             read.time_bases().next().unwrap().1.times_s(),

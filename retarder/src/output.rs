@@ -157,9 +157,8 @@ fn write_recording(path: &Path, existing: Existing, recording: &Recording) -> Re
             }
             LogFormat::Mf4 => recording::mf4::write(file, recording),
             LogFormat::Parquet => table::write_parquet(file, recording, time_base),
-            LogFormat::Matlab | LogFormat::MatlabHdf5 => {
-                table::write_matlab(file, recording, time_base)
-            }
+            LogFormat::Matlab => table::write_matlab(file, recording, time_base),
+            LogFormat::MatlabHdf5 => table::write_matlab_hdf5(file, recording, time_base),
         });
         written.and_then(|file| Ok(file.commit()?))
     };

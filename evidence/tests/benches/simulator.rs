@@ -124,7 +124,7 @@ fn main() {
         });
     report_beside(
         &converged(&all_effects),
-        "event-driven, all 21 effects",
+        "event-driven, all effects",
         &best_of(&all_effects, Tolerance::default()),
     );
     print_costs_of_effects(

@@ -1,8 +1,9 @@
-//! Parquet and MATLAB files of the signals of one time base.
+//! Parquet, MATLAB and HDF5 files of the signals of one time base.
 
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use hdf5_pure::mat::{MatBuilder, MatError, Options};
 use parquet::basic::{Compression, Repetition, Type as PhysicalType, ZstdLevel};
 use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
@@ -128,6 +129,33 @@ pub fn write_matlab<W: Write>(
     Ok(sink)
 }
 
+/// Writes the signals of one time base as HDF5 in the form of MATLAB v7.3, which MATLAB and h5py read: a dataset of one column for each
+/// signal, of any size, NaN where missing. Names are those of [`write_matlab`].
+///
+/// # Errors
+/// Returns a [`WriteError`] for a name that no reader accepts, no signal, or the sink's error.
+pub fn write_matlab_hdf5<W: Write>(
+    mut sink: W,
+    recording: &Recording,
+    base: TimeBaseId,
+) -> Result<W, WriteError> {
+    let columns = columns(recording, base)?;
+    let failed = |error: MatError| WriteError::Io(io::Error::other(error));
+    let mut builder = MatBuilder::new(Options::default());
+    let mut taken: Vec<String> = Vec::new();
+    for (name, values) in columns {
+        let name = variable(&name, &taken);
+        let dimensions = [values.len(), 1];
+        builder
+            .write_f64(&name, &dimensions, values)
+            .map_err(failed)?;
+        taken.push(name);
+    }
+    builder.finish_to(&mut sink).map_err(failed)?;
+    sink.flush()?;
+    Ok(sink)
+}
+
 /// Returns the name of a variable that is not taken yet.
 fn variable(name: &str, taken: &[String]) -> String {
     let is_allowed = |character: char| character.is_ascii_alphanumeric() || character == '_';
@@ -154,7 +182,7 @@ fn write_vector(sink: &mut impl Write, name: &str, values: &[f64]) -> Result<(),
     let padded = name.len().next_multiple_of(8);
     let bytes = 16 + 16 + 8 + padded + 8 + 8 * values.len();
     if bytes > VARIABLE_BYTES_MAX {
-        let text = format!("{name} has more than 2 GiB; cut the recording, or write CSV");
+        let text = format!("{name} has more than 2 GiB; write a file `.h5`");
         return Err(WriteError::Io(io::Error::other(text)));
     }
     let mut words = |words: &[u32]| -> io::Result<()> {

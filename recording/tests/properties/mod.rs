@@ -89,16 +89,20 @@ pub(crate) fn table_reader(bytes: &[u8]) {
                     LogFormat::Matlab,
                     table::write_matlab(Vec::new(), &recording, base),
                 ),
+                (
+                    LogFormat::MatlabHdf5,
+                    table::write_matlab_hdf5(Vec::new(), &recording, base),
+                ),
             ];
             for (format, written) in written {
                 let written = written.expect("what was read can be written");
                 match table::read("again", &written[..], format, &options) {
                     Ok(again) => assert_eq!(again.time_bases().count(), 1),
                     // A variable of MATLAB cannot have every name that a signal has.
-                    Err(error) => assert_eq!(
-                        (error.code(), format),
-                        ("E-TAB-NO-SIGNAL", LogFormat::Matlab)
-                    ),
+                    Err(error) => {
+                        assert_eq!(error.code(), "E-TAB-NO-SIGNAL");
+                        assert_ne!(format, LogFormat::Parquet);
+                    }
                 }
             }
         }

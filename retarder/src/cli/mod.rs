@@ -315,8 +315,8 @@ pub(crate) struct ControllerArg {
 
 #[derive(Debug, Args)]
 pub(crate) struct OutArg {
-    /// Write the recording to this CSV file; `simulate` and `control` write MF4, Parquet or MATLAB v5 if the name ends in
-    /// .mf4, .parquet or .mat
+    /// Write the recording to this CSV file; `simulate` and `control` write MF4, Parquet, MATLAB v5 or HDF5 (MATLAB v7.3)
+    /// if the name ends in .mf4, .parquet, .mat or .h5
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) out: Option<PathBuf>,
 }

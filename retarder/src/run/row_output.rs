@@ -93,6 +93,7 @@ impl Whole {
         }
         match self.format {
             LogFormat::Parquet => table::write_parquet(self.file, &recording, base),
+            LogFormat::MatlabHdf5 => table::write_matlab_hdf5(self.file, &recording, base),
             _ => table::write_matlab(self.file, &recording, base),
         }
     }
