@@ -136,6 +136,7 @@ pub(crate) fn measured_signals(
     commands: &Commands,
 ) -> Result<(Vec<Measured>, Vec<NotCompared>), CompareError> {
     let LogAsRead { log, original } = read;
+    let at_the_earliest = commands.at_the_earliest();
     let modelled: Vec<(&'static str, Unit)> = signals(parameters)
         .filter(|(name, _)| !INPUTS.contains(name))
         .collect();
@@ -177,8 +178,13 @@ pub(crate) fn measured_signals(
         let floor = |values: &[f64]| noise_floor(values, error_unit.symbol(), quiet, commands);
         let as_logged = floor(&values);
         let interval_s = interval_s(&commands.times_s, &values);
-        let swing = (name == PRESSURE).then(|| Swing::of(parameters, commands));
-        let usual = Usual::of(&as_logged, interval_s, quiet.segments(commands), swing);
+        let swing = (name == PRESSURE).then(|| Swing::of(parameters, &at_the_earliest));
+        let usual = Usual::of(
+            &as_logged,
+            interval_s,
+            quiet.segments(&at_the_earliest),
+            swing,
+        );
         let spikes = take_out_spikes(&commands.times_s, &mut values, &usual);
         let repeats = take_out_repeats(&mut values, &as_logged);
         let floor = match repeats.is_empty() && spikes.is_empty() {
