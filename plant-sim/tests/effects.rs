@@ -164,9 +164,7 @@ fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
     let plain = plants
         .each_ref()
         .map(|plant| run(plant, &duties, Tolerance::default()).0);
-    // The voltage is that of the plant file here.
-    let shows = |setting: &EffectSetting| setting.variant().name != "voltage";
-    for setting in settings().into_iter().filter(shows) {
+    for setting in settings() {
         let name = format!("{} as {}", setting.id(), setting.variant().name);
         let kind = usize::from(setting.id() == "switching_delay");
         let (plant, plain) = (&plants[kind], &plain[kind]);

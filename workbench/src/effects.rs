@@ -122,6 +122,7 @@ fn acts_on(point: EntryPoint) -> &'static str {
         EntryPoint::Leak => "air that leaves or enters the chamber past the valves",
         EntryPoint::Coil => "the coils and their currents",
         EntryPoint::Armature => "the motion of the armatures",
+        EntryPoint::Switching => "the switching times of on/off valves",
         EntryPoint::ElectricSupply => "the voltage at the coils",
         EntryPoint::AirSupply => "the supply of air",
         EntryPoint::Flow => "the flow through the valves",

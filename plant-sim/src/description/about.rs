@@ -39,6 +39,7 @@ pub enum EntryPoint {
     Leak,
     Coil,
     Armature,
+    Switching,
     ElectricSupply,
     AirSupply,
     Flow,

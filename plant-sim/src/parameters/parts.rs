@@ -25,6 +25,8 @@ pub enum Part {
     ArmatureOf(usize),
     /// Armature on which the pressure of a chamber acts.
     ArmatureUnderPressure,
+    /// On/off valve in the place of either valve.
+    Switching,
     /// On/off valve in the place of one valve.
     OnOffValve(usize),
     /// Proportional valve in the place of one valve.
@@ -63,6 +65,7 @@ impl Part {
                 let function = plant.functions[valve];
                 function.is_commanded() && function.has_orifice()
             }
+            Self::Switching => any(|function| function == ValveFunction::OnOff),
             Self::OnOffValve(valve) => is(ValveFunction::OnOff, valve),
             Self::ProportionalValve(valve) => is(ValveFunction::Proportional, valve),
             Self::DelayedOutput => {
@@ -90,6 +93,7 @@ impl Part {
         match effect.about().acts_on {
             EntryPoint::Coil | EntryPoint::ElectricSupply => Self::Coil,
             EntryPoint::Armature => Self::Armature,
+            EntryPoint::Switching => Self::Switching,
             EntryPoint::AirSupply => Self::FlowThrough(FILL),
             EntryPoint::Drain => Self::FlowThrough(VENT),
             EntryPoint::Flow => Self::Flow,
@@ -162,6 +166,7 @@ impl Part {
                 Some(format!("no table [{SECOND_CHAMBER}]"))
             }
             Self::CommandedValve(_)
+            | Self::Switching
             | Self::OnOffValve(_)
             | Self::ProportionalValve(_)
             | Self::Any => None,
@@ -197,6 +202,7 @@ impl fmt::Display for Part {
                 write!(f, "armature of the {} valve", VALVE_KEYS[*valve])
             }
             Self::ArmatureUnderPressure => f.write_str("armature under a chamber's pressure"),
+            Self::Switching => f.write_str("on/off valve"),
             Self::OnOffValve(valve) => write!(f, "on/off {} valve", VALVE_KEYS[*valve]),
             Self::ProportionalValve(valve) => {
                 write!(f, "proportional {} valve", VALVE_KEYS[*valve])

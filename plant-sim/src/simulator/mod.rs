@@ -385,8 +385,7 @@ impl Simulator {
         let plant = self.plant();
         let delay = plant.additions.opening_delay.as_ref();
         delay.map_or(1.0, |delay| {
-            let drop = plant.pressure_drop(valve, self.state().pressure);
-            delay.factor(self.supply_voltage, drop)
+            delay.factor(plant.pressure_drop(valve, self.state().pressure))
         })
     }
 }

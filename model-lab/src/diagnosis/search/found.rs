@@ -88,11 +88,20 @@ fn find_on(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (plain, base): (Trial, &Trial),
+    (mut plain, mut base): (Trial, &Trial),
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
-    let adequate = wide.filter(Trial::leaves_little);
+    if let Some(wide) = &wide
+        && wide.total_square() < CLEARLY_LESS * plain.total_square()
+        && assemble::outside(&plain, wide).is_empty()
+    {
+        // The way to the best values within the ranges led beyond them.
+        plain = split.plain_from(plant, &wide.plant())?;
+        base = &plain;
+    }
+    let adequate =
+        wide.filter(|wide| wide.leaves_little() && !assemble::outside(&plain, wide).is_empty());
     let found = select_from(split, plant, library, (plain.clone(), base), watch)?;
     if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
         let outside = assemble::outside(&plain, &wide);
