@@ -113,6 +113,7 @@ impl<'a> Refitted<'a> {
             search::report(watch, "the final fit", 0.0)?;
             let last = found.steps.last_mut().expect("at least the plain plant");
             last.polish(&bench).ok_or_else(|| split.not_simulated())?;
+            found.settle();
         }
         let (plain, last) = (&found.steps[0], &found.steps[found.steps.len() - 1]);
         let is_converged = last.is_converged(&bench);

@@ -1,5 +1,6 @@
 //! From the plain model to the named effects.
 
+use super::assemble::outside;
 use super::chain::chain_from;
 use super::judgement::best_credible;
 use super::pair::{Beside, best_pair, promising};
@@ -221,6 +222,15 @@ impl Selection {
     pub(crate) fn beyond(mut self, within: Trial, rival: Option<Trial>) -> Self {
         (self.within, self.rival) = (Some(within), rival);
         self
+    }
+
+    /// Forgets the ranges of the plant file where the last fit ended within all of them: the file is not wrong.
+    pub(crate) fn settle(&mut self) {
+        let last = self.last();
+        let is_inside = |within: &Trial| outside(within, last).is_empty();
+        if self.within.as_ref().is_some_and(is_inside) {
+            (self.within, self.rival) = (None, None);
+        }
     }
 
     /// The effects that explain the error as well, where the answer is that the plant file is wrong.
