@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
-use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::CurrentSampling;
 use recording::Recording;
 
@@ -32,10 +31,6 @@ const USUAL_PLACE: usize = 2;
 const PLACES: [usize; 2] = [USUAL_PLACE, 1];
 /// Shift of the end of a log (s) from which on the drift of another log is tried.
 const OTHER_DRIFT_S: f64 = 0.3e-3;
-/// Shift of the end of a log (s) up to which the drift is that of another log of the same logger, and the largest error with this drift over
-/// that with another one.
-const SAME_DRIFT_S: f64 = 0.5e-3;
-const SAME_LOGGER: f64 = 1.5;
 
 /// Logs, split into training and validation data.
 pub(crate) struct Split {
@@ -224,22 +219,20 @@ impl Split {
         let fitted = best.plant();
         let before = self.checking.logs.clone();
         find_conditions(&fitted, &mut self.checking, &drifts_ppm);
-        if self.is_nearer(plant, best)? || self.is_of_same_logger(plant, best, &drifts_ppm)? {
+        if self.is_nearer(plant, best)? {
             return Ok(true);
         }
+        self.checking.logs.clone_from(&before);
         // The fitted delay may be wrong by an amount that the clocks of the training logs compensate; the sample at which a command was
         // given resolves it.
         let there_s = fitted.ecu.command_delay_s;
         let reach_s = 0.5 * fitted.ecu.sample_time_s;
         let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
-        for begin in [self.checking.logs.clone(), before.clone()] {
-            self.checking.logs = begin;
-            let found_s = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
-            if let Some(found_s) = found_s {
-                self.checking.shift_clocks(there_s - found_s);
-                if self.is_nearer(plant, best)? {
-                    return Ok(true);
-                }
+        let found_s = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
+        if let Some(found_s) = found_s {
+            self.checking.shift_clocks(there_s - found_s);
+            if self.is_nearer(plant, best)? {
+                return Ok(true);
             }
         }
         self.checking.logs = before;
@@ -283,39 +276,6 @@ impl Split {
         let judged = self.bench(plant, &[]).judged_anew(best);
         let judged = judged.ok_or_else(|| self.not_simulated())?;
         Ok(judged.checked.total_excess() < best.checked.total_excess())
-    }
-
-    /// Returns whether the clocks of the validation logs drift now as those of the training logs, `drifts_ppm`, as the logs of one logger do,
-    /// and did not before. `best` leaves nothing of the training logs, which leave open what the validation logs need.
-    fn is_of_same_logger(
-        &self,
-        plant: &PlantParameters,
-        best: &Trial,
-        drifts_ppm: &[f64],
-    ) -> Result<bool, DiagnoseError> {
-        let judged = self.bench(plant, &[]).judged_anew(best);
-        let judged = judged.ok_or_else(|| self.not_simulated())?;
-        let is_same = |conditions: &[Conditions]| {
-            conditions
-                .iter()
-                .zip(&self.checking.logs)
-                .all(|(one, log)| {
-                    let off_s = |clock: &LoggerClock, there: &f64| {
-                        1e-6 * (clock.drift_ppm - there).abs() * log.duration_s()
-                    };
-                    let clock = one.clock.as_ref();
-                    let drifts = |clock| {
-                        drifts_ppm
-                            .iter()
-                            .any(|one| off_s(clock, one) < SAME_DRIFT_S)
-                    };
-                    clock.is_some_and(drifts)
-                })
-        };
-        Ok(!best.fitted.is_material()
-            && is_same(&judged.checked_conditions)
-            && !is_same(&best.checked_conditions)
-            && judged.checked.total_excess() < SAME_LOGGER * best.checked.total_excess())
     }
 
     /// Returns the data with which trials on these logs are compared.

@@ -141,19 +141,14 @@ fn select_from(
         true => split.find_fitted_clocks(plant, &plain)?,
         false => None,
     };
-    let mut has_other_clocks = again.is_some();
-    plain = again.unwrap_or(plain);
-    // Training logs whose errors are within the noise show the clocks of the validation logs.
-    let is_right = plain.is_material() && !plain.fitted.is_material();
-    if is_right && split.find_checked_clocks(plant, &plain)? {
-        let judged = split.bench(plant, library).judged_anew(&plain);
-        plain = judged.ok_or_else(|| split.not_simulated())?;
-        has_other_clocks = true;
-    }
-    let begin = if has_other_clocks { &plain } else { base };
-    let mut singles = match plain.is_material() {
-        true => selection::singles(&split.bench(plant, library), begin, watch)?,
-        false => Vec::new(),
+    let bench = split.bench(plant, library);
+    let mut singles = match again {
+        Some(again) => {
+            plain = again;
+            selection::singles(&bench, &plain, watch)?
+        }
+        None if plain.is_material() => selection::singles(&bench, base, watch)?,
+        None => Vec::new(),
     };
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
