@@ -9,6 +9,7 @@ use recording::Recording;
 use super::diagnose;
 use super::diagnose_with;
 use super::fit::split::Split;
+use super::fit::trial::Trial;
 use super::fix;
 use super::result::{Diagnosis, OutsideValue, StepKind, Verdict};
 use super::search::Watch;
@@ -98,6 +99,22 @@ fn a_plant_file_that_is_wrong_is_reported_and_no_effect_is_named() {
         .map(|step| step.worst_in_noise())
         .collect();
     assert!(errors[1] > errors[2], "{errors:?}");
+}
+
+/// Defect seen: the last fit had brought all values back into their ranges, and the plant file was wrong nevertheless, with an empty list.
+#[test]
+fn a_last_fit_within_all_ranges_is_no_wrong_plant_file() {
+    let plant = PlantParameters::nominal();
+    let rig = bench(|plant| plant.flow.discharge_fill *= 0.7);
+    let (split, plain) = Split::that_shows(&plant, &[rig.measure()], &[]).unwrap();
+    let wide = split.bench(&plant, &[]).widened(&plain).unwrap();
+    let settled = |last: &Trial| {
+        let mut found = Selection::of_plain_alone(last.clone()).beyond(plain.clone(), None);
+        found.settle();
+        found.verdict()
+    };
+    assert_eq!(settled(&wide), Verdict::PlantFileWrong);
+    assert_ne!(settled(&plain), Verdict::PlantFileWrong);
 }
 
 /// Defect seen: values of a first plant file were so wrong that iron saturation, which compensates for a wrong force, was named beside the

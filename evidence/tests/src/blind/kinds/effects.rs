@@ -183,10 +183,12 @@ impl Effect {
 pub(super) fn hide(rig: &mut KindRig, count: Option<usize>, chance: &mut Chance) -> Vec<Effect> {
     let share = chance.share();
     let drawn = usize::from(share >= NONE) + usize::from(share >= NONE + ONE);
+    let possible = Effect::DRAWN.into_iter();
+    let possible: Vec<Effect> = possible.filter(|effect| effect.acts_on(rig)).collect();
     let mut effects: Vec<Effect> = Vec::new();
     while effects.len() < count.unwrap_or(drawn) {
-        let effect = chance.one_of(&Effect::DRAWN);
-        if effect.acts_on(rig) && effects.iter().all(|other| other.id() != effect.id()) {
+        let effect = chance.one_of(&possible);
+        if effects.iter().all(|other| other.id() != effect.id()) {
             effect.draw(rig, chance);
             effects.push(effect);
         }
