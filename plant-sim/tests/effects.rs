@@ -27,11 +27,12 @@ fn off(mut setting: EffectSetting) -> EffectSetting {
     setting
 }
 
-/// Returns a plant with every effect of the library in its first variant.
+/// Returns a plant with every effect of the library that acts on it, in the first variant.
 fn with_all(plant: &PlantParameters) -> PlantParameters {
-    LIBRARY.iter().fold(plant.clone(), |plant, effect| {
-        plant.with_effect(EffectSetting::typical(*effect))
-    })
+    let acting = LIBRARY
+        .iter()
+        .filter_map(|effect| plant.forms_of(*effect).into_iter().next());
+    acting.fold(plant.clone(), |plant, effect| plant.with_effect(effect))
 }
 
 fn run(
@@ -156,23 +157,28 @@ fn on_off() -> PlantParameters {
     plant
 }
 
+/// Returns a plant on which the effect acts: the nominal one, or else that with two on/off valves.
+fn kind_for(setting: &EffectSetting) -> PlantParameters {
+    let nominal = PlantParameters::nominal();
+    match nominal.forms_of(setting.effect()).is_empty() {
+        true => on_off(),
+        false => nominal,
+    }
+}
+
 #[test]
 fn every_effect_at_its_typical_size_shows_in_pressure_or_current() {
     // Fifteen seconds warm the coils.
     let duties = [vec![(100.0, 0.0); 1500], test_signal()].concat();
-    let plants = [PlantParameters::nominal(), on_off()];
-    let plain = plants
-        .each_ref()
-        .map(|plant| run(plant, &duties, Tolerance::default()).0);
     for setting in settings() {
         let name = format!("{} as {}", setting.id(), setting.variant().name);
-        let kind = usize::from(setting.id() == "switching_delay");
-        let (plant, plain) = (&plants[kind], &plain[kind]);
-        let (with, _) = run(&plant.with_effect(setting), &duties, Tolerance::default());
+        let kind = kind_for(&setting);
+        let [plain, with] = [kind.clone(), kind.with_effect(setting)]
+            .map(|plant| run(&plant, &duties, Tolerance::default()).0);
         let worst = |what: &dyn Fn(&Sample) -> f64| {
             let differences = with
                 .iter()
-                .zip(plain)
+                .zip(&plain)
                 .map(|(a, b)| (what(a) - what(b)).abs());
             differences.fold(0.0, f64::max)
         };
@@ -249,7 +255,8 @@ fn what_is_much_faster_than_the_plant_costs_few_steps_and_changes_nothing() {
 #[test]
 fn a_plant_file_keeps_every_effect_to_the_bit() {
     for setting in settings() {
-        let mut plant = PlantParameters::nominal().with_effect(setting.clone());
+        let kind = kind_for(&setting);
+        let mut plant = kind.with_effect(setting.clone());
         plant
             .provenance
             .insert(setting.parameters()[0].name(), "fitted to rig 7".to_owned());
@@ -260,7 +267,7 @@ fn a_plant_file_keeps_every_effect_to_the_bit() {
         );
         let again = PlantParameters::from_toml(&text, "again").unwrap();
         assert_eq!(plant, again);
-        let off = PlantParameters::nominal().with_effect(off(setting));
+        let off = kind.with_effect(off(setting));
         assert_eq!(
             off,
             PlantParameters::from_toml(&off.to_toml(), "off").unwrap()

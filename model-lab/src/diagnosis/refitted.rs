@@ -129,7 +129,7 @@ impl<'a> Refitted<'a> {
         let error_steps = assemble::error_steps(&bench, &found);
         let within = found.within.as_ref().unwrap_or(plain);
         let nuisance = assemble::nuisance(&bench, within, last);
-        let outside = assemble::outside(within, found.alternative.as_ref().unwrap_or(last));
+        let outside = found.alternative.as_ref().unwrap_or(last).outside(within);
         let (equivalents, distinguishability) = assemble::equivalents(&found);
         search::report(watch, "where the error is", 0.0)?;
         split.take_conditions(plain);

@@ -139,6 +139,9 @@ fn used_modules(
         if path.extension().is_none_or(|end| end != "rs") {
             continue;
         }
+        if path.file_stem().unwrap() == "tests" {
+            continue;
+        }
         let inner = path.strip_prefix(source).unwrap();
         let module = inner.iter().next().unwrap();
         let module = module.to_str().unwrap().trim_end_matches(".rs").to_owned();

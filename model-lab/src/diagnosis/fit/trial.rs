@@ -12,7 +12,8 @@ use crate::conditions::Conditions;
 use crate::diagnosis::evidence::Evidence;
 use crate::diagnosis::evidence::errors::Errors;
 use crate::diagnosis::evidence::log::Residuals;
-use crate::diagnosis::evidence::unknowns::Unknowns;
+use crate::diagnosis::evidence::unknowns::{AT_BOUND, Unknown, Unknowns};
+use crate::diagnosis::result::OutsideValue;
 use crate::diagnosis::verdict::{ADDS_UP_FLOORS, ADDS_UP_SHARE, WIDENINGS};
 use crate::measured::PRESSURE;
 use crate::result::Horizon;
@@ -357,6 +358,31 @@ impl Trial {
         self.unknowns.conditions(&self.fit.z, &mut conditions);
         let clocks = conditions.iter().filter_map(|log| log.clock);
         clocks.map(|clock| clock.drift_ppm).collect()
+    }
+
+    /// Returns the ordinary parameters outside the ranges of the plant file, which are their ranges in `within`.
+    pub(crate) fn outside(&self, within: &Self) -> Vec<OutsideValue> {
+        let list = within.unknowns.list().iter().zip(&self.fit.z);
+        list.filter_map(|(unknown, &z)| {
+            let Unknown::Nuisance(nuisance) = unknown else {
+                return None;
+            };
+            let (least, most) = unknown.bounds();
+            let is_outside = z < least - AT_BOUND || z > most + AT_BOUND;
+            is_outside.then(|| OutsideValue {
+                name: nuisance.spec.name(),
+                unit: nuisance.spec.unit.to_owned(),
+                value: unknown.value(z),
+                least: unknown.value(least),
+                most: unknown.value(most),
+            })
+        })
+        .collect()
+    }
+
+    /// Whether all of them lie within these ranges.
+    pub(crate) fn is_inside(&self, within: &Self) -> bool {
+        self.outside(within).is_empty()
     }
 
     /// Continues the fit with a new Jacobian, which is then recomputed at the fit: intervals need it.

@@ -237,26 +237,6 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
     .collect()
 }
 
-/// Returns the ordinary parameters outside the ranges of the plant file, which are their ranges in `within`.
-pub(crate) fn outside(within: &Trial, last: &Trial) -> Vec<OutsideValue> {
-    let list = within.unknowns.list().iter().zip(&last.fit.z);
-    list.filter_map(|(unknown, &z)| {
-        let Unknown::Nuisance(nuisance) = unknown else {
-            return None;
-        };
-        let (least, most) = unknown.bounds();
-        let is_outside = z < least - AT_BOUND || z > most + AT_BOUND;
-        is_outside.then(|| OutsideValue {
-            name: nuisance.spec.name(),
-            unit: nuisance.spec.unit.to_owned(),
-            value: unknown.value(z),
-            least: unknown.value(least),
-            most: unknown.value(most),
-        })
-    })
-    .collect()
-}
-
 /// Returns the regime with most of the excess of each signal; `seen` are the same logs with their conditions.
 pub(crate) fn regimes(
     plant: &PlantParameters,

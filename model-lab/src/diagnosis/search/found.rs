@@ -9,7 +9,6 @@
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
 
-use super::assemble;
 use super::selection::{self, Selection};
 use super::{Effort, Tried, Watch, best_forms, finish_begun, report, try_all};
 use crate::diagnosis::error::DiagnoseError;
@@ -94,17 +93,16 @@ fn find_on(
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
     if let Some(wide) = &wide
         && wide.total_square() < CLEARLY_LESS * plain.total_square()
-        && assemble::outside(&plain, wide).is_empty()
+        && wide.is_inside(&plain)
     {
         // The way to the best values within the ranges led beyond them.
         plain = split.plain_from(plant, &wide.plant())?;
         base = &plain;
     }
-    let adequate =
-        wide.filter(|wide| wide.leaves_little() && !assemble::outside(&plain, wide).is_empty());
+    let adequate = wide.filter(|wide| wide.leaves_little() && !wide.is_inside(&plain));
     let found = select_from(split, plant, library, (plain.clone(), base), watch)?;
     if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
-        let outside = assemble::outside(&plain, &wide);
+        let outside = wide.outside(&plain);
         let mut values = outside.iter().map(|value| (&value.name, value.value));
         let may_be = values.all(|(name, value)| may_be_beside_first_file(plant, name, value));
         let is_as_good = found.is_as_good_as(&wide);

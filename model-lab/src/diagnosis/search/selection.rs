@@ -1,6 +1,5 @@
 //! From the plain model to the named effects.
 
-use super::assemble::outside;
 use super::chain::chain_from;
 use super::judgement::best_credible;
 use super::pair::{Beside, best_pair, promising};
@@ -227,8 +226,8 @@ impl Selection {
     /// Forgets the ranges of the plant file where the last fit ended within all of them: the file is not wrong.
     pub(crate) fn settle(&mut self) {
         let last = self.last();
-        let is_inside = |within: &Trial| outside(within, last).is_empty();
-        if self.within.as_ref().is_some_and(is_inside) {
+        let within = self.within.as_ref();
+        if within.is_some_and(|within| last.is_inside(within)) {
             (self.within, self.rival) = (None, None);
         }
     }

@@ -2,8 +2,6 @@
 
 mod assignment;
 mod part;
-#[cfg(test)]
-mod tests;
 
 use std::sync::Arc;
 
@@ -580,3 +578,6 @@ fn scatter(values: &[f64]) -> f64 {
     // The median of a normal magnitude is 0.6745 standard deviations; the weights 1, -2, 1 give sqrt(6).
     curvatures[curvatures.len() / 2] / (0.6745 * 6_f64.sqrt())
 }
+
+#[cfg(test)]
+mod tests;
