@@ -154,7 +154,8 @@ fn on_off() -> PlantParameters {
         (valve.opening_delay_s, valve.closing_delay_s) = (2e-3, 1e-3);
         (valve.opening_ramp_s, valve.closing_ramp_s) = (1e-3, 1e-3);
     }
-    plant
+    // Without the values of coils, of which a file of such a plant has none.
+    PlantParameters::from_toml(&plant.to_toml(), "on/off").unwrap()
 }
 
 /// Returns a plant on which the effect acts: the nominal one, or else that with two on/off valves.
