@@ -63,7 +63,7 @@ impl Condition {
     }
 
     /// Returns the conditions of the table for a kind of rig: the plant's own, the supply voltages and temperatures of a
-    /// vehicle, all of these at once, and each effect of the library at its typical size.
+    /// vehicle, all of these at once, and each effect of the library that acts on it, at its typical size.
     pub fn all(plant: &PlantParameters) -> Vec<Self> {
         let volts = [18.0, 20.0, 22.0, 26.0, 28.0, 30.0, 32.0];
         let constant =
@@ -79,9 +79,12 @@ impl Condition {
             scatter: ConditionScatter::vehicle(plant),
             ..Self::named("18 to 32 V, -40 to 120 °C")
         };
-        let effects = LIBRARY.iter().map(|effect| Self {
-            effect: Some(EffectSetting::typical(*effect)),
-            ..Self::named(effect.about().id)
+        let acting = LIBRARY
+            .iter()
+            .filter_map(|effect| plant.forms_of(*effect).into_iter().next());
+        let effects = acting.map(|effect| Self {
+            effect: Some(effect.clone()),
+            ..Self::named(effect.id())
         });
         core::iter::once(Self::named("as the plant file"))
             .chain(constant)
@@ -338,6 +341,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), conditions.len());
         let effects = conditions.iter().filter(|one| one.effect.is_some()).count();
-        assert_eq!(effects, LIBRARY.len());
+        // All but that of on/off valves.
+        assert_eq!(effects, LIBRARY.len() - 1);
     }
 }

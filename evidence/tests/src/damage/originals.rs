@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use plant_sim::PlantParameters;
-use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::effects::LIBRARY;
 use recording::{csv, mf4};
 use serde_json::json;
 use thiserror::Error;
@@ -370,12 +370,13 @@ fn as_mf4(name: &'static str, log: &str) -> Result<File, OriginalsError> {
 }
 
 fn with_every_effect() -> String {
-    let plant = LIBRARY
+    let nominal = PlantParameters::nominal();
+    let acting = LIBRARY
         .iter()
-        .fold(PlantParameters::nominal(), |plant, effect| {
-            plant.with_effect(EffectSetting::typical(*effect))
-        });
-    plant.to_toml()
+        .filter_map(|effect| nominal.forms_of(*effect).into_iter().next());
+    acting
+        .fold(nominal.clone(), |plant, effect| plant.with_effect(effect))
+        .to_toml()
 }
 
 /// Creates a project folder as the program leaves it: two logs, one of them shifted, a comparison and a diagnosis.
