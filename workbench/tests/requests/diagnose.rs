@@ -2,6 +2,7 @@
 
 use std::io::Read as _;
 
+use plant_sim::effects::LIBRARY;
 use serde_json::{Value, json};
 
 use crate::bench::{Bench, Browser};
@@ -197,7 +198,7 @@ fn the_library_is_listed_with_equations_bounds_and_units() {
     let session = browser.session(None);
     let effects = browser.get(&format!("{session}/effects")).json();
     let effects = effects.as_array().unwrap();
-    assert_eq!(effects.len(), 21);
+    assert_eq!(effects.len(), LIBRARY.len());
     let leak = effects
         .iter()
         .find(|effect| effect["id"] == "chamber_leak")
