@@ -63,6 +63,7 @@ impl LogFormat {
             _ if is("mf4") => Self::Mf4,
             _ if is("parquet") => Self::Parquet,
             _ if is("mat") => Self::Matlab,
+            _ if is("h5") || is("hdf5") => Self::MatlabHdf5,
             _ => Self::Csv,
         }
     }

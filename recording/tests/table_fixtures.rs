@@ -211,6 +211,21 @@ fn what_is_written_is_read_back_bit_for_bit() {
     }
 }
 
+/// Defect seen: a file that was to be written to `.h5` was CSV.
+#[test]
+fn the_name_of_a_file_tells_the_format_to_write() {
+    for (name, format) in [
+        ("model.csv", LogFormat::Csv),
+        ("model.mf4", LogFormat::Mf4),
+        ("model.parquet", LogFormat::Parquet),
+        ("model.MAT", LogFormat::Matlab),
+        ("model.h5", LogFormat::MatlabHdf5),
+        ("model.hdf5", LogFormat::MatlabHdf5),
+    ] {
+        assert_eq!(LogFormat::of_name(name), format, "{name}");
+    }
+}
+
 #[test]
 fn a_mapping_error_names_the_column_and_the_next_step() {
     let refused = |mapping: &str| {
