@@ -32,43 +32,71 @@ pub(crate) fn without_rows(log: &Recording, rows: std::ops::Range<usize>) -> Rec
     paused
 }
 
+/// Returns the log with other signals: `change` gets name, unit and samples, and its result replaces them.
+pub(crate) fn changed(
+    log: &Recording,
+    mut change: impl FnMut(&str, Unit, Vec<f64>) -> Option<(Unit, Vec<f64>)>,
+) -> Recording {
+    let mut other = Recording::new(log.provenance().clone());
+    let base = log.time_base(log.signals()[0].time_base()).unwrap();
+    let id = other.add_time_base(base.clone());
+    for signal in log.signals() {
+        let samples = signal.values_or_nan().to_vec();
+        if let Some((unit, samples)) = change(signal.name(), signal.unit(), samples) {
+            other.add_signal(signal.name(), unit, id, samples).unwrap();
+        }
+    }
+    other
+}
+
+/// Returns the log with only the signals whose names `keep` accepts.
+pub(crate) fn with_signals(log: &Recording, keep: impl Fn(&str) -> bool) -> Recording {
+    changed(log, |name, unit, samples| {
+        keep(name).then_some((unit, samples))
+    })
+}
+
+/// Returns the log with other values of the signal `of`.
+pub(crate) fn with_values(
+    log: &Recording,
+    of: &str,
+    mut value: impl FnMut(usize, f64) -> f64,
+) -> Recording {
+    changed(log, |name, unit, mut samples| {
+        if name == of {
+            for (row, sample) in samples.iter_mut().enumerate() {
+                *sample = value(row, *sample);
+            }
+        }
+        Some((unit, samples))
+    })
+}
+
 /// Returns `log` with the height of each spike added to the samples of `signal` in its rows.
 pub(crate) fn spiked(
     log: &Recording,
     signal: &str,
     spikes: &[(std::ops::Range<usize>, f64)],
 ) -> Recording {
-    let mut other = Recording::new(log.provenance().clone());
-    let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
-    for one in log.signals() {
-        let mut values = one.values_or_nan().to_vec();
-        for (rows, height) in spikes.iter().filter(|_| one.name() == signal) {
-            values[rows.clone()]
-                .iter_mut()
-                .for_each(|value| *value += height);
-        }
-        other
-            .add_signal(one.name(), one.unit(), id, values)
-            .unwrap();
-    }
-    other
+    let height = |row: usize| {
+        let there = spikes.iter().filter(|(rows, _)| rows.contains(&row));
+        there.map(|(_, height)| height).sum::<f64>()
+    };
+    with_values(log, signal, |row, value| value + height(row))
 }
 
 /// Returns the log without its currents.
 pub(crate) fn pressure_alone(log: &Recording) -> Recording {
-    let mut other = Recording::new(log.provenance().clone());
-    let id = other.add_time_base(log.time_bases().next().unwrap().1.clone());
-    for signal in log
-        .signals()
-        .iter()
-        .filter(|one| !one.name().starts_with("i_"))
-    {
-        let values = signal.values_or_nan().to_vec();
-        other
-            .add_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
-    other
+    with_signals(log, |name| !name.starts_with("i_"))
+}
+
+/// Returns the log with its chamber pressure as an absolute one, at this ambient pressure.
+pub(crate) fn with_absolute_pressure(log: &Recording, ambient_bar: f64) -> Recording {
+    let above_vacuum = with_values(log, "p_ch", |_, gauge_bar| gauge_bar + ambient_bar);
+    changed(&above_vacuum, |name, unit, samples| {
+        let is_pressure = name == "p_ch";
+        Some((if is_pressure { Unit::BarAbsolute } else { unit }, samples))
+    })
 }
 
 /// Returns a log of `count` samples in which nothing is commanded.

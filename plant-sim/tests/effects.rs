@@ -406,6 +406,64 @@ fn all_effects_together_stay_in_bounds() {
     );
 }
 
+/// E5 and E49: the current of a coil that is switched off reaches zero after L/R ln(1 + i_0 R/V), with the resistance R and the voltage V of
+/// the freewheeling loop. It begins at 24 V over the resistance of the loop that is switched on; a switch is no part of the other one.
+#[test]
+fn the_freewheeling_current_ends_when_its_loop_says() {
+    for (id, variant, key, value, [on_ohm, off_ohm, off_v]) in [
+        (
+            "flyback_clamp",
+            "zener",
+            "extra_drop_v",
+            20.0,
+            [82.2, 82.2, 20.8],
+        ),
+        (
+            "flyback_clamp",
+            "resistor",
+            "resistance_ohm",
+            50.0,
+            [82.2, 132.2, 0.8],
+        ),
+        (
+            "supply_resistance",
+            "switch",
+            "resistance_ohm",
+            10.0,
+            [92.2, 82.2, 0.8],
+        ),
+        (
+            "supply_resistance",
+            "per_coil",
+            "resistance_ohm",
+            10.0,
+            [92.2, 92.2, 0.8],
+        ),
+    ] {
+        let effect = by_id(id).unwrap();
+        let variant = effect.about().variant(variant).unwrap();
+        let setting = EffectSetting::typical_variant(effect, variant).with(key, value);
+        let mut plant = PlantParameters::nominal().with_effect(setting);
+        // The valve stays shut: its motion would induce a voltage.
+        plant.armature.preload_fill_n = 100.0;
+        plant.ecu.command_delay_s = 0.0;
+        let mut simulator = Simulator::new(&plant);
+        for (at_ns, duty_fill_pct) in [(0, 100.0), (100_000_000, 0.0)] {
+            simulator.advance_to_ns(at_ns);
+            simulator.command(Command {
+                duty_fill_pct,
+                duty_vent_pct: 0.0,
+            });
+        }
+        let end_s: f64 = 0.44 / off_ohm * f64::ln_1p(24.0 / on_ohm * off_ohm / off_v);
+        for (share, flows) in [(0.99, true), (1.01, false)] {
+            simulator.advance_to_ns(100_000_000 + (share * end_s * 1e9) as u64);
+            let current = simulator.sample().current[0];
+            assert_eq!(current > 0.0, flows, "{id} {}: {current}", variant.name);
+        }
+    }
+}
+
 fn plants() -> impl Strategy<Value = PlantParameters> {
     prop::collection::vec(-1.0..1.0_f64, PARAMETERS.len()).prop_map(|exponents| {
         let mut plant = PlantParameters::nominal();

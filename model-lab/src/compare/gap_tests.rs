@@ -3,7 +3,7 @@
 use recording::{Recording, Unit};
 
 use super::*;
-use crate::bench::{Bench, without_rows};
+use crate::bench::{Bench, changed, without_rows};
 use crate::{CompareOptions, compare, free_run};
 
 fn compared(log: &Recording) -> Comparison {
@@ -88,17 +88,12 @@ fn a_gap_of_an_hour_costs_what_a_second_costs() {
 fn rows_without_commands_are_a_gap_and_missing_cells_are_listed() {
     let whole = Bench::default().measure();
     let begin = venting_row(&whole) + 1;
-    let mut log = Recording::new(whole.provenance().clone());
-    let (_, base) = whole.time_bases().next().unwrap();
-    let id = log.add_time_base(base.clone());
-    for signal in whole.signals() {
-        let mut values = signal.values_or_nan().to_vec();
-        if signal.unit() == Unit::Percent {
-            values[begin..begin + 30].fill(f64::NAN);
+    let log = changed(&whole, |_, unit, mut samples| {
+        if unit == Unit::Percent {
+            samples[begin..begin + 30].fill(f64::NAN);
         }
-        log.add_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
+        Some((unit, samples))
+    });
     let found = compared(&log);
     assert_eq!(found.defects.gaps[0].samples, 38);
     assert_eq!(found.signals[0].missing, 38);

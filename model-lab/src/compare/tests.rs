@@ -8,7 +8,7 @@ use plant_sim::effects::{EffectSetting, by_id};
 use recording::{Provenance, Recording, TimeBase, Unit};
 use serde_json::Value;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, changed, pressure_alone, with_signals, with_values};
 use crate::result::{Comparison, Horizon, LimitFrom, RegimeBin, SignalComparison, StartFrom};
 use crate::{CompareError, CompareOptions, compare, compare_watched};
 
@@ -65,26 +65,6 @@ fn compared(plant: &PlantParameters, log: &Recording) -> Comparison {
 
 fn excess_share(bin: &RegimeBin) -> f64 {
     bin.one_step_ahead.as_ref().unwrap().excess_share.unwrap()
-}
-
-/// Returns the log with other signals: `change` gets name, unit and samples, and its result replaces them.
-fn changed(
-    log: &Recording,
-    change: impl Fn(&str, Unit, Vec<f64>) -> Option<(Unit, Vec<f64>)>,
-) -> Recording {
-    let mut other = Recording::new(log.provenance().clone());
-    let base = log.time_base(log.signals()[0].time_base()).unwrap();
-    let id = other.add_time_base(base.clone());
-    for signal in log.signals() {
-        if let Some((unit, samples)) = change(
-            signal.name(),
-            signal.unit(),
-            signal.values_or_nan().to_vec(),
-        ) {
-            other.add_signal(signal.name(), unit, id, samples).unwrap();
-        }
-    }
-    other
 }
 
 #[test]
@@ -292,15 +272,8 @@ fn a_log_that_begins_under_pressure_starts_the_model_there() {
 
 #[test]
 fn missing_samples_are_counted_and_left_out() {
-    let log = changed(&Bench::default().measure(), |name, unit, mut samples| {
-        if name == "p_ch" {
-            samples
-                .iter_mut()
-                .skip(3)
-                .step_by(5)
-                .for_each(|sample| *sample = f64::NAN);
-        }
-        Some((unit, samples))
+    let log = with_values(&Bench::default().measure(), "p_ch", |row, bar| {
+        if row % 5 == 3 { f64::NAN } else { bar }
     });
     let comparison = compare_nominal(&log);
     let pressure = signal(&comparison, "p_ch");
@@ -332,9 +305,7 @@ fn a_pressure_logged_as_kilopascal_absolute_gives_the_same_comparison() {
 
 #[test]
 fn without_pressure_there_is_a_free_run_only() {
-    let log = changed(&Bench::default().measure(), |name, unit, samples| {
-        (name != "p_ch").then_some((unit, samples))
-    });
+    let log = with_signals(&Bench::default().measure(), |name| name != "p_ch");
     let comparison = compare_nominal(&log);
     assert_eq!(comparison.predictor, None);
     assert!(
@@ -392,9 +363,7 @@ fn what_cannot_be_compared_is_refused_with_its_name() {
         compare(&PlantParameters::nominal(), log, &options).unwrap_err()
     };
     let standard = CompareOptions::default;
-    let commands_only = changed(&log, |name, unit, samples| {
-        name.starts_with("duty").then_some((unit, samples))
-    });
+    let commands_only = with_signals(&log, |name| name.starts_with("duty"));
     let nothing = refusal(&commands_only, standard()).to_string();
     assert!(
         nothing.contains("p_ch") && nothing.contains("duty_fill"),
@@ -477,11 +446,8 @@ fn a_log_of_one_sample_is_compared_without_panic() {
 /// one.
 #[test]
 fn the_free_run_has_the_commands_that_drove_it() {
-    let log = changed(&Bench::default().measure(), |name, unit, mut samples| {
-        if name == "duty_fill" {
-            samples[105] = f64::NAN;
-        }
-        Some((unit, samples))
+    let log = with_values(&Bench::default().measure(), "duty_fill", |row, duty_pct| {
+        if row == 105 { f64::NAN } else { duty_pct }
     });
     let run = compare_nominal(&log).traces.free_run;
     let driven = |name: &str| run.signal(name).unwrap().shared_values();
@@ -526,9 +492,7 @@ fn golden_comparison_is_as_blessed() {
         ],
         ..rig_with("flow.discharge_fill", 0.8)
     };
-    let log = changed(&bench.measure(), |name, unit, samples| {
-        (!name.starts_with("i_")).then_some((unit, samples))
-    });
+    let log = pressure_alone(&bench.measure());
     let mut value = serde_json::to_value(compare_nominal(&log)).unwrap();
     round(&mut value);
     check_golden("comparison.json", &(folded(&value, 0) + "\n"));

@@ -13,7 +13,7 @@ use super::diagnose;
 use super::fit::gather::gather;
 use super::fit::split::Split;
 use super::result::Verdict;
-use crate::bench::{Bench, logged_through, without_rows};
+use crate::bench::{Bench, logged_through, with_signals, without_rows};
 use crate::metrics::rms;
 use crate::noise::Noise;
 use crate::result::Horizon;
@@ -59,13 +59,7 @@ fn after_filling(plant: &PlantParameters, gas_k: f64) -> Recording {
 }
 
 fn without_thermometer(log: &Recording) -> Recording {
-    let mut bare = Recording::new(log.provenance().clone());
-    let (_, base) = log.time_bases().next().unwrap();
-    let id = bare.add_time_base(base.clone());
-    let pressure = log.signal("p_ch").unwrap().values_or_nan().to_vec();
-    bare.add_signal("p_ch", Unit::BarGauge, id, pressure)
-        .unwrap();
-    bare
+    with_signals(log, |name| name == "p_ch")
 }
 
 /// Goal: a hold after filling is not sensor drift. Method: a sealed vessel whose gas begins 40 K warm and cools with m c_v / (h A) = 801325

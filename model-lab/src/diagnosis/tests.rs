@@ -3,7 +3,6 @@ use core::ops::ControlFlow;
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
-use recording::{Recording, Unit};
 
 use super::diagnose;
 use super::evidence::unknowns::Unknowns;
@@ -14,7 +13,7 @@ use super::fit::{Descent, Difference, Fitter};
 use super::refine;
 use super::result::Verdict;
 use super::search::assemble::regimes;
-use crate::bench::{Bench, logged, spiked};
+use crate::bench::{Bench, logged, spiked, with_signals, with_values};
 
 fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
     let effect = by_id(id).unwrap();
@@ -31,19 +30,8 @@ fn with(id: &str, variant: &str, values: &[(&str, f64)]) -> PlantParameters {
 #[test]
 fn a_signal_that_could_not_be_fitted_is_named_with_its_reason() {
     let measured = Bench::default().measure();
-    let [fill, vent, _, current, _] = measured.signals() else {
-        panic!("{measured:?}");
-    };
-    let mut log = Recording::new(measured.provenance().clone());
-    let (_, base) = measured.time_bases().next().unwrap();
-    let id = log.add_time_base(base.clone());
-    for signal in [fill, vent, current] {
-        let values = signal.values_or_nan().to_vec();
-        log.add_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
-    let still = vec![0.0; base.len()];
-    log.add_signal("p_ch", Unit::BarGauge, id, still).unwrap();
+    let still = with_values(&measured, "p_ch", |_, _| 0.0);
+    let mut log = with_signals(&still, |name| name != "i_vent");
     for name in ["i_vent", "x_vent"] {
         log.leave_out(name, "found \"?\", expected a unit");
     }

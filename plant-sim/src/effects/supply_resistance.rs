@@ -112,34 +112,6 @@ mod tests {
         }
     }
 
-    /// E5: the freewheeling current decays through the coil's own resistance alone, from 24 V/(R + R_s).
-    #[test]
-    fn the_freewheeling_current_does_not_pass_the_switch() {
-        for (variant, loop_resistance) in [("switch", 82.2), ("per_coil", 92.2)] {
-            let variant = ABOUT.variant(variant).unwrap();
-            let setting = EffectSetting::typical_variant(&SupplyResistance, variant);
-            let setting = setting.with("resistance_ohm", 10.0);
-            let mut plant = PlantParameters::nominal().with_effect(setting);
-            plant.armature.preload_fill_n = 100.0;
-            plant.ecu.command_delay_s = 0.0;
-            let mut simulator = Simulator::new(&plant);
-            for (at_ns, duty_fill_pct) in [(0, 100.0), (100_000_000, 0.0)] {
-                simulator.advance_to_ns(at_ns);
-                simulator.command(Command {
-                    duty_fill_pct,
-                    duty_vent_pct: 0.0,
-                });
-            }
-            let start = 24.0 / 92.2_f64;
-            let end = 0.44 / loop_resistance * (start * loop_resistance / 0.8).ln_1p();
-            for (share, flows) in [(0.99, true), (1.01, false)] {
-                simulator.advance_to_ns(100_000_000 + (share * end * 1e9) as u64);
-                let current = simulator.sample().current[0];
-                assert_eq!(current > 0.0, flows, "{}: {current}", variant.name);
-            }
-        }
-    }
-
     /// Polarisation of 2 ohm with 0.3 s: the current falls while U = R_p i (1 - exp(-t/T)) rises. T is that of the
     /// loop, 0.3 s (R + R_s)/(R + R_s + R_p), and in the end R_p acts as a part of the lead.
     #[test]

@@ -1,4 +1,4 @@
-//! Effect: an on/off valve opens the later, the more pressure it works against.
+//! Effect: the opening delay of an on/off valve depends on the pressure difference across it.
 
 use crate::additions::OpeningDelay;
 use crate::description::{
@@ -13,7 +13,7 @@ effect_parameters! { "effects.switching_delay":
 
 static ABOUT: About = About {
     id: "switching_delay",
-    sentence: "An on/off valve opens later where the pressure holds its seat, or earlier where it lifts it, so the same pulse lets through more or less air.",
+    sentence: "The opening delay of an on/off valve depends on the pressure difference across it, so the same pulse passes more or less air.",
     source: "E70: balance of forces on an armature whose coil charges up (E3, E8)",
     acts_on: EntryPoint::Switching,
     variants: &[Variant::only(&[&SHARE])],

@@ -52,7 +52,7 @@ mod tests {
     use recording::{Provenance, TimeBase};
 
     use super::*;
-    use crate::bench::Bench;
+    use crate::bench::{Bench, with_signals};
     use crate::diagnosis::diagnose;
     use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
     use crate::diagnosis::fit::gather::gather;
@@ -98,15 +98,7 @@ mod tests {
     }
 
     fn without_supply(log: &Recording) -> Recording {
-        let mut bare = Recording::new(log.provenance().clone());
-        let (_, base) = log.time_bases().next().unwrap();
-        let id = bare.add_time_base(base.clone());
-        for signal in log.signals().iter().filter(|one| one.name() != SIGNAL) {
-            let values = signal.values_or_nan().to_vec();
-            bare.add_signal(signal.name(), signal.unit(), id, values)
-                .unwrap();
-        }
-        bare
+        with_signals(log, |name| name != SIGNAL)
     }
 
     fn sinking_supply() -> Recording {

@@ -312,12 +312,13 @@ fn added(with: &Fit, base: &Fit) -> Vec<f64> {
 mod tests {
     use plant_sim::PlantParameters;
     use plant_sim::effects::{EffectSetting, by_id};
+    use plant_sim::parameters::Knowledge;
 
     use super::*;
-    use crate::bench::Bench;
+    use crate::bench::{Bench, with_absolute_pressure};
     use crate::diagnosis::evidence::unknowns::Unknowns;
-    use crate::diagnosis::fit::Difference;
     use crate::diagnosis::fit::gather::gather;
+    use crate::diagnosis::fit::{Descent, Difference};
 
     /// Defect seen: on a fit that was not at its end, the expected gain of every effect included that of a further step without it. Thirty
     /// fits of effects that did not exist were begun.
@@ -351,5 +352,31 @@ mod tests {
             heating < 0.05 * without,
             "{heating} of {without}, which the plant gains without it"
         );
+    }
+
+    /// Defect seen: an ambient pressure at the end of its range seemed to account for the offset of a sensor of absolute pressure, and no
+    /// gain was expected of the offset.
+    #[test]
+    fn a_value_at_the_end_of_its_range_does_not_account_for_an_offset() {
+        let mut plant = PlantParameters::nominal();
+        let ambient = "gas.ambient_pressure_pa".to_owned();
+        plant.knowledge.insert(ambient, Knowledge::Tolerance(2e3));
+        let offset = EffectSetting::typical(by_id("sensor_offset").unwrap());
+        let rig = plant
+            .clone()
+            .with_effect(offset.clone().with("offset_bar", -0.13));
+        let bench = Bench {
+            plant: rig,
+            ..Bench::default()
+        };
+        let evidence =
+            gather(&plant, [&with_absolute_pressure(&bench.measure(), 1.01325)]).unwrap();
+        let unknowns = Unknowns::new(&plant, &[], &evidence.logs);
+        let fitter = Fitter::new(&evidence, &unknowns);
+        let fit = fitter.descend(fitter.at(unknowns.start()).unwrap(), Descent::Whole);
+        let fit = fit.unwrap();
+        let unknowns = unknowns.with_effect(&offset);
+        let gain = prospect(&Fitter::new(&evidence, &unknowns), &fit).gain;
+        assert!(gain.unwrap() > 0.5 * fit.cost, "{gain:?} of {}", fit.cost);
     }
 }

@@ -6,7 +6,7 @@ use recording::csv;
 
 use super::distance::made;
 use super::*;
-use crate::bench::Bench as Rig;
+use crate::bench::{Bench as Rig, with_signals};
 use crate::diagnosis::verdict::DISTINGUISHABLE;
 
 const RIVALS: [&str; 2] = ["series_restriction", "supply_line_droop"];
@@ -26,19 +26,6 @@ fn rig(hidden: &str) -> PlantParameters {
         let setting = settings(&nominal, hidden).unwrap().swap_remove(0);
         nominal.with_effect(setting)
     }
-}
-
-/// Returns a log without the signal `name`.
-fn without_signal(log: &Recording, name: &str) -> Recording {
-    let mut rest = Recording::new(log.provenance().clone());
-    let (_, base) = log.time_bases().next().unwrap();
-    let id = rest.add_time_base(base.clone());
-    for signal in log.signals().iter().filter(|signal| signal.name() != name) {
-        let values = signal.shared_values();
-        rest.add_shared_signal(signal.name(), signal.unit(), id, values)
-            .unwrap();
-    }
-    rest
 }
 
 /// Returns a log of one fill at full duty: it is too slow, for an unknown reason.
@@ -303,7 +290,7 @@ fn rivals_that_the_logged_signals_cannot_show_are_said_to_need_another_signal() 
         phases: vec![(0.3, 0.0, 0.0), (0.2, 100.0, 0.0), (0.3, 0.0, 0.0)],
         ..Rig::default()
     };
-    let log = without_signal(&rig.measure(), "p_ch");
+    let log = with_signals(&rig.measure(), |name| name != "p_ch");
     let error = next_experiment(
         &PlantParameters::nominal(),
         &[log],

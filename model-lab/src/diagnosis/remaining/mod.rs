@@ -188,7 +188,7 @@ mod tests {
     use recording::Recording;
 
     use super::*;
-    use crate::bench::Bench;
+    use crate::bench::{Bench, changed};
     use crate::diagnosis::fit::gather::gather;
     use crate::diagnosis::result::FlowCurve;
 
@@ -398,24 +398,18 @@ mod tests {
         };
         // The measurement, with the commands of the other log.
         let (measured, log) = (done.measure(), commanded.measure());
-        let mut mixed = Recording::new(log.provenance().clone());
-        let base =
-            mixed.add_time_base(log.time_base(log.signals()[0].time_base()).unwrap().clone());
-        for signal in log.signals() {
-            let source = if signal.name().starts_with("duty") {
-                &log
-            } else {
-                &measured
-            };
-            let values = source
-                .signal(signal.name())
-                .unwrap()
-                .values_or_nan()
-                .to_vec();
-            mixed
-                .add_signal(signal.name(), signal.unit(), base, values)
-                .unwrap();
-        }
+        let mixed = changed(&log, |name, unit, commands| {
+            let of_other = measured.signal(name).unwrap().values_or_nan();
+            let is_command = name.starts_with("duty");
+            Some((
+                unit,
+                if is_command {
+                    commands
+                } else {
+                    of_other.to_vec()
+                },
+            ))
+        });
         let remaining = seen(&mixed);
         let [pulse] = &remaining.lost_pulses[..] else {
             panic!("{:?}", remaining.lost_pulses)

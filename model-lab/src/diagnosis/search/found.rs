@@ -413,6 +413,40 @@ mod tests {
         assert!(found.fit.cost < 1.1 * samples, "{}", found.fit.cost);
     }
 
+    /// Defect seen: the fit of the plain plant ended at the end of a range beside the best values. The wider range led back to them, but the
+    /// search went on from the end of the range.
+    #[test]
+    fn a_wider_range_that_leads_back_into_the_range_is_the_start() {
+        let plant = PlantParameters::nominal();
+        let log = logged_through(
+            &plant,
+            (LoggerClock::default(), 0.01),
+            1,
+            &[
+                (0.5, 0.0, 0.0),
+                (0.15, 60.0, 0.0),
+                (0.5, 0.0, 0.0),
+                (0.3, 0.0, 60.0),
+                (0.3, 0.0, 0.0),
+            ],
+        );
+        let (mut split, plain) = Split::that_shows(&plant, &[log], &[]).unwrap();
+        assert!(!plain.is_material(), "{:?}", plain.fitted.excess());
+        let mut beside = plain.clone();
+        for (z, unknown) in beside.fit.z.iter_mut().zip(plain.unknowns.list()) {
+            if unknown.name() == "flow.discharge_fill" {
+                *z = unknown.bounds().1;
+            }
+        }
+        let beside = split.bench(&plant, &[]).at_the_place_of(&beside).unwrap();
+        assert!(beside.is_material(), "{:?}", beside.fitted.excess());
+        let found = find(&mut split, &plant, &[], beside, &|_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(found.verdict(), Verdict::Adequate);
+    }
+
     /// Defect seen: at 26 Hz, the commands of the check log had been assigned with a single effect. Two effects left nothing of the fitted
     /// log and most of the check log, and nothing was named.
     #[test]

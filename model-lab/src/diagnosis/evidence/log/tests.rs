@@ -1,8 +1,9 @@
 use plant_sim::effects::{EffectSetting, by_id};
-use recording::Unit;
 
 use super::*;
-use crate::bench::{Bench, pressure_alone, quantise, without_rows};
+use crate::bench::{
+    Bench, pressure_alone, quantise, with_absolute_pressure, with_values, without_rows,
+};
 use crate::diagnosis::fit::gather::gather;
 use crate::metrics::rms;
 
@@ -66,20 +67,9 @@ fn a_coarse_pressure_that_mostly_stands_still_is_fitted_with_its_resolution() {
         .repeat(3),
         ..Bench::default()
     };
-    let fine = bench.measure();
+    let fine = pressure_alone(&bench.measure());
     let coarse = |step_bar: f64| {
-        let mut log = Recording::new(fine.provenance().clone());
-        let id = log.add_time_base(fine.time_bases().next().unwrap().1.clone());
-        for name in ["duty_fill", "duty_vent", "p_ch"] {
-            let signal = fine.signal(name).unwrap();
-            let mut values = signal.values_or_nan().to_vec();
-            if name == "p_ch" {
-                values
-                    .iter_mut()
-                    .for_each(|value| *value = quantise(*value, step_bar));
-            }
-            log.add_signal(name, signal.unit(), id, values).unwrap();
-        }
+        let log = with_values(&fine, "p_ch", |_, bar| quantise(bar, step_bar));
         gather(&PlantParameters::nominal(), [&log])
     };
     let sigma = coarse(0.5).unwrap().logs[0].channels[0].sigma;
@@ -105,21 +95,7 @@ fn the_true_ambient_pressure_fits_whatever_the_plant_file_says() {
         ..Bench::default()
     };
     let gauge = pressure_alone(&bench.measure());
-    let mut absolute = Recording::new(gauge.provenance().clone());
-    let id = absolute.add_time_base(gauge.time_bases().next().unwrap().1.clone());
-    for signal in gauge.signals() {
-        let mut values = signal.values_or_nan().to_vec();
-        let unit = match signal.name() {
-            PRESSURE => Unit::BarAbsolute,
-            _ => signal.unit(),
-        };
-        if unit == Unit::BarAbsolute {
-            values.iter_mut().for_each(|value| *value += ambient_bar);
-        }
-        absolute
-            .add_signal(signal.name(), unit, id, values)
-            .unwrap();
-    }
+    let absolute = with_absolute_pressure(&gauge, ambient_bar);
     let pressures = gauge.signal(PRESSURE).unwrap().values_or_nan();
     let filled = pressures.iter().position(|&bar| bar > 2.0).unwrap();
     for log in [&gauge, &absolute] {

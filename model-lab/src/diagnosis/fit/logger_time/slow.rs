@@ -229,10 +229,8 @@ fn delays_between((least_s, most_s): (f64, f64)) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use recording::Recording;
-
     use super::*;
-    use crate::bench::{logged, pressure_alone};
+    use crate::bench::{logged, pressure_alone, with_values};
     use crate::diagnosis::fit::gather::gather;
     use crate::noise::Noise;
 
@@ -247,19 +245,8 @@ mod tests {
         };
         let log = pressure_alone(&logged(&plant, clock, 0.01, 1));
         let found = |noise_bar: f64| {
-            let mut noisy = Recording::new(log.provenance().clone());
-            let id = noisy.add_time_base(log.time_bases().next().unwrap().1.clone());
             let mut noise = Noise::new(3);
-            for signal in log.signals() {
-                let mut values = signal.values_or_nan().to_vec();
-                if signal.name() == "p_ch" {
-                    let add = |value: &mut f64| *value += noise_bar * noise.normal();
-                    values.iter_mut().for_each(add);
-                }
-                noisy
-                    .add_signal(signal.name(), signal.unit(), id, values)
-                    .unwrap();
-            }
+            let noisy = with_values(&log, "p_ch", |_, bar| bar + noise_bar * noise.normal());
             let mut evidence = gather(&plant, [&noisy]).unwrap();
             assert!(evidence.logs[0].conditions.clock.is_none());
             let delays_s = (9e-3, 19e-3);
