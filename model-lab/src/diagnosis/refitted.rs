@@ -32,7 +32,9 @@ pub(super) struct Answer {
     pub(super) diagnosis: Diagnosis,
     /// Named effects with their fitted parameters.
     pub(super) found: Vec<EffectSetting>,
-    /// Whether an error remains and ordinary parameters reached the ends of their ranges.
+    /// Whether a material error remains, ...
+    pub(super) is_material: bool,
+    /// ... and ordinary parameters reached the ends of their ranges.
     pub(super) is_held_back: bool,
 }
 
@@ -153,7 +155,8 @@ impl<'a> Refitted<'a> {
             .chain(split.check_logs())
             .collect();
         let remaining = remaining::remaining(&last.plant(), &logs_seen, last.is_material());
-        let is_held_back = last.is_material() && last.unknowns.widened(&last.fit.z).is_some();
+        let is_material = last.is_material();
+        let is_held_back = is_material && last.unknowns.widened(&last.fit.z).is_some();
         let mut diagnosis = Diagnosis {
             schema: DIAGNOSIS_SCHEMA.to_owned(),
             logs: split.fitting.sources(),
@@ -199,6 +202,7 @@ impl<'a> Refitted<'a> {
         Ok(Answer {
             found: found.into_iter().filter(is_found).collect(),
             diagnosis,
+            is_material,
             is_held_back,
         })
     }

@@ -4,8 +4,9 @@
 //! the file about a value still apply.
 //!
 //! If the estimates leave the noise, or many of them lie outside of their ranges, effects are searched with the estimates first. No missing
-//! effect stands for as many wrong values, so that a search within the ranges would be in vain. Otherwise effects are searched within the
-//! ranges first. If that leaves an error, the values are estimated again, together with the effects found.
+//! effect stands for as many wrong values, so that a search within the ranges would be in vain. Neither does it follow where a first plant
+//! file may be as wrong as the few values outside and one further effect within the ranges does not account for them. Otherwise effects are
+//! searched within the ranges. If that leaves an error, the values are estimated again, together with the effects found.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;
@@ -13,7 +14,7 @@ use recording::Recording;
 
 use super::error::DiagnoseError;
 use super::estimation::{self, EstimatedPlant, Estimation};
-use super::known::{Known, known};
+use super::known::{Known, known, may_be_beside_first_file};
 use super::nuisance::ordinary_names;
 use super::refitted::{self, Refitted};
 use super::result::{Cost, Diagnosis, NuisanceValue, OutsideValue, Step, StepKind, Verdict};
@@ -61,17 +62,6 @@ fn is_first_file(plant: &PlantParameters, estimated: &Estimation) -> bool {
     estimated.is_adequate || outside.count() > FEW
 }
 
-/// Returns whether `answer`, found with estimated values, needs no search within the ranges of the plant file. If it explains the logs, more
-/// values must lie outside of the ranges than an effect could stand for. If it does not, the plant within the ranges must be far from the
-/// logs.
-fn is_final(answer: &Diagnosis, is_far_nearer: bool) -> bool {
-    if explains(answer) {
-        answer.outside.len() > FEW
-    } else {
-        is_far_nearer
-    }
-}
-
 fn explains(answer: &Diagnosis) -> bool {
     matches!(
         answer.verdict,
@@ -103,10 +93,11 @@ impl Inputs<'_> {
                 costs.push(single.cost.clone());
                 if single.verdict != Verdict::Found {
                     let answer = self.at(&estimated, &single, costs)?;
-                    if is_final(&answer, leaves_share(&estimated, &single, FAR_NEARER)) {
-                        return Ok(answer);
+                    let is_far_nearer = leaves_share(&estimated, &single, FAR_NEARER);
+                    if self.is_final(&answer, is_far_nearer, costs)? {
+                        return Ok(answer.diagnosis);
                     }
-                    of_estimates = Some(answer);
+                    of_estimates = Some(answer.diagnosis);
                 }
                 refitted = self.refitted(self.plant)?;
             }
@@ -135,7 +126,7 @@ impl Inputs<'_> {
             plant.without_effect(effect.id())
         });
         let of_estimates = self.at(&estimated, &within.diagnosis, costs)?;
-        Ok(within.or(of_estimates))
+        Ok(within.or(of_estimates.diagnosis))
     }
 
     fn refitted(&self, plant: &PlantParameters) -> Result<Refitted<'_>, DiagnoseError> {
@@ -158,13 +149,55 @@ impl Inputs<'_> {
         estimated: &EstimatedPlant,
         first: &Diagnosis,
         costs: &mut Vec<Cost>,
-    ) -> Result<Diagnosis, DiagnoseError> {
+    ) -> Result<refitted::Answer, DiagnoseError> {
         let second = self.refitted(&estimated.plant)?;
-        let second = second
-            .search(self.library, Extent::All, self.watch)?
-            .diagnosis;
-        costs.push(second.cost.clone());
-        Ok(relative_to_file(self.plant, first, second))
+        let mut second = second.search(self.library, Extent::All, self.watch)?;
+        costs.push(second.diagnosis.cost.clone());
+        second.diagnosis = relative_to_file(self.plant, first, second.diagnosis);
+        Ok(second)
+    }
+
+    /// Returns whether `answer`, found with estimated values, needs no search within the ranges of the plant file. If it does not explain the
+    /// logs, the plant within the ranges must be far from them. If it does, more values must lie outside of the ranges than an effect could
+    /// stand for, or nothing material remains, a first plant file may be as wrong as those few, and no effect stands for them.
+    fn is_final(
+        &self,
+        answer: &refitted::Answer,
+        is_far_nearer: bool,
+        costs: &mut Vec<Cost>,
+    ) -> Result<bool, DiagnoseError> {
+        if !explains(&answer.diagnosis) {
+            return Ok(is_far_nearer);
+        }
+        let outside = &answer.diagnosis.outside;
+        if outside.len() > FEW {
+            return Ok(true);
+        }
+        let mut values = outside.iter();
+        let may_be =
+            values.all(|value| may_be_beside_first_file(self.plant, &value.name, value.value));
+        Ok(may_be && !answer.is_material && !self.is_explained_within(answer, costs)?)
+    }
+
+    /// Returns whether the effects of `answer` explain the logs with values within the ranges of the plant file, by themselves or with one
+    /// further effect.
+    fn is_explained_within(
+        &self,
+        answer: &refitted::Answer,
+        costs: &mut Vec<Cost>,
+    ) -> Result<bool, DiagnoseError> {
+        if answer.found.is_empty() {
+            // No single effect does: that was searched before.
+            return Ok(false);
+        }
+        let with_found = answer.plant_with_found(self.plant);
+        let refitted = self.refitted(&with_found)?;
+        if !refitted.is_material() {
+            return Ok(true);
+        }
+        let further = refitted.search(self.library, Extent::One, self.watch)?;
+        costs.push(further.diagnosis.cost.clone());
+        Ok(further.diagnosis.verdict == Verdict::Found)
     }
 }
 
@@ -360,5 +393,33 @@ mod tests {
         let first = |stage: &str| stages.iter().position(|&one| one == stage);
         assert!(first("clocks of the loggers") < first("detection limits"));
         assert_eq!(first("pairs of effects"), None);
+    }
+    /// Defect seen: the estimates left the noise after 23 s, and effects were searched within the ranges of the file for another 150 s, in
+    /// vain.
+    #[test]
+    fn a_first_file_with_few_wrong_values_needs_no_search_within_its_ranges() {
+        let plant = PlantParameters::nominal();
+        let mut rig = plant.clone();
+        rig.ecu.command_delay_s = 0.0205;
+        rig.armature.preload_fill_n *= 1.09;
+        let library = ["chamber_leak", "sensor_lag"].map(|id| by_id(id).unwrap());
+        let log = [Bench {
+            plant: rig,
+            ..Bench::default()
+        }
+        .measure()];
+        let stages = Mutex::new(Vec::new());
+        let watch = |progress: Progress| {
+            stages.lock().unwrap().push(progress.stage);
+            ControlFlow::Continue(())
+        };
+        let found = diagnose_with(&library, &plant, &log, &[], &watch).unwrap();
+        assert_eq!(found.verdict, Verdict::PlantFileWrong, "{}", found.sentence);
+        assert!(
+            (1..=FEW).contains(&found.outside.len()),
+            "{}",
+            found.sentence
+        );
+        assert!(!stages.into_inner().unwrap().contains(&"wider ranges"));
     }
 }

@@ -223,19 +223,40 @@ impl Bench<'_> {
 
     /// Refits the plant of `trial` without the effect `id`, with a new Jacobian.
     pub(crate) fn without(&self, trial: &Trial, id: &str) -> Option<Trial> {
-        let effects: Vec<EffectSetting> = trial
-            .effects
-            .iter()
-            .filter(|effect| effect.id() != id)
-            .cloned()
-            .collect();
-        let (unknowns, kept) = trial.unknowns.without_effect(id);
-        let z = kept.into_iter().map(|n| trial.fit.z[n]).collect();
-        let fitter = Fitter::new(self.fitting, &unknowns);
-        let fit = fitter.descend(fitter.at(z)?, Descent::Whole)?;
+        let Opened {
+            effects,
+            unknowns,
+            fit,
+        } = self.left_out(trial, id)?;
+        let fit = Fitter::new(self.fitting, &unknowns).descend(fit, Descent::Whole)?;
         let mut without = self.judge(effects, unknowns, fit)?;
         without.refresh(self)?;
         Some(without)
+    }
+
+    /// Returns the plant of `trial` without the effect `id`, its other parameters unchanged, with a new Jacobian.
+    pub(crate) fn unfitted_without(&self, trial: &Trial, id: &str) -> Option<Trial> {
+        let Opened {
+            effects,
+            unknowns,
+            mut fit,
+        } = self.left_out(trial, id)?;
+        let fitter = Fitter::new(self.fitting, &unknowns);
+        fitter.differentiate(&mut fit, 0, Difference::Forward)?;
+        self.judge(effects, unknowns, fit)
+    }
+
+    fn left_out(&self, trial: &Trial, id: &str) -> Option<Opened> {
+        let mut effects = trial.effects.clone();
+        effects.retain(|effect| effect.id() != id);
+        let (unknowns, kept) = trial.unknowns.without_effect(id);
+        let z = kept.into_iter().map(|n| trial.fit.z[n]).collect();
+        let fit = Fitter::new(self.fitting, &unknowns).at(z)?;
+        Some(Opened {
+            effects,
+            unknowns,
+            fit,
+        })
     }
 
     /// Validates a fit that was begun on top of `base` without completing it, under the conditions of the logs that were fitted with

@@ -250,6 +250,11 @@ fn selected_by(
         (plain, singles)
     } else if split.find_checked_clocks(plant, nearest)? {
         let bench = split.bench(plant, library);
+        let judged = bench.judged_anew(nearest);
+        if judged.is_none_or(|judged| !leaves_clearly_less_of_check(&judged, nearest)) {
+            split.restore(before);
+            return Ok(None);
+        }
         let plain = bench.judged_anew(&found.steps[0]);
         let mut singles = found.singles.clone();
         judge_anew(&bench, &mut singles);
@@ -264,6 +269,12 @@ fn selected_by(
         return Ok(None);
     }
     Ok(Some(again))
+}
+
+/// Whether `judged`, the plant of `former` with other clocks of the check logs, explains these logs clearly better: only then may another
+/// selection from the same fits name what the former one did not.
+fn leaves_clearly_less_of_check(judged: &Trial, former: &Trial) -> bool {
+    judged.checked.total_excess() < CLEARLY_LESS * former.checked.total_excess()
 }
 
 /// The plain plant, fitted from the place of the best single effect, and every effect on top of it, where it then explains most of what that

@@ -1,6 +1,6 @@
 //! Two effects together: the most promising first effects, and the best second one beside each.
 
-use rayon::prelude::*;
+use plant_sim::effects::EffectSetting;
 
 use super::judgement::best_step;
 use super::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
@@ -14,8 +14,6 @@ const FIRSTS: usize = 3;
 const FIRST_SHARE: f64 = 0.05;
 /// ... and this share of what the best of them explains.
 const FIRST_OF_BEST: f64 = 0.25;
-/// Another form of a first effect is tried beside a second one if it gains this share of what the best form gains.
-const ALIKE_FORM: f64 = 0.9;
 
 /// Two effects together.
 pub(super) struct Pair {
@@ -110,18 +108,12 @@ pub(super) fn best_pair(
             }
             None => {}
         }
-        // Alone, the form of the first is distorted by what the second explains; it may be another one beside it.
-        let is_partly = |pair: &Pair| pair.explains_most(plain) && pair.last.is_material();
-        if best
-            .as_ref()
-            .is_some_and(|pair| has_first(pair) && is_partly(pair))
-        {
-            for form in alike_forms(bench, plain, &first) {
-                if let Some(Beside::Both(own)) = pair_on(bench, plain, form, singles, watch)? {
-                    keep_better(&mut best, own);
-                }
-            }
-        }
+        let is_partly = |pair: &&Pair| pair.explains_most(plain) && pair.last.is_material();
+        let own = best.as_deref().filter(|pair| has_first(pair));
+        let other_forms = own
+            .filter(is_partly)
+            .and_then(|pair| pair.in_other_forms(bench));
+        best = other_forms.map(Box::new).or(best);
         // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
         let is_enough = |pair: &Pair| pair.explains_most(plain) || !pair.last.is_material();
         if best.as_deref().is_some_and(is_enough) {
@@ -192,27 +184,89 @@ fn keep_better(best: &mut Option<Box<Pair>>, pair: Box<Pair>) {
     }
 }
 
-/// The last effect of `first` on top of `plain` in those other forms of its law that explain nearly as much, the best first.
-fn alike_forms(bench: &Bench, plain: &Trial, first: &Trial) -> Vec<Trial> {
-    let Some(named) = first.effects.last() else {
-        return Vec::new();
-    };
-    let mut forms = bench.plant.forms_of(named.effect());
-    forms.retain(|form| form.variant().name != named.variant().name);
-    let gain = |trial: &Trial| plain.fit.cost - trial.fit.cost;
-    let fits = forms
-        .into_par_iter()
-        .filter_map(|form| bench.finish(bench.begin(plain, form)?));
-    let mut alike: Vec<Trial> = fits
-        .filter(|trial| gain(trial) >= ALIKE_FORM * gain(first))
-        .collect();
-    alike.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-    alike
-}
-
 impl Pair {
     /// Whether it explains so much of the excess of `plain` that it may be named.
     fn explains_most(&self, plain: &Trial) -> bool {
         self.last.share_of(plain) >= PARTLY_NAMED_SHARE
+    }
+
+    /// Returns the two effects with another form of the first one's law, and the form of the second one that suits it: alone, the form of the
+    /// first is distorted by what the second explains. None where this does not leave clearly less.
+    fn in_other_forms(&self, bench: &Bench) -> Option<Self> {
+        let [named, second] = [self.first.added(), self.last.added()];
+        let without_first = bench.unfitted_without(&self.last, named)?;
+        let other_forms = forms_of(bench, &self.first, |is_present| !is_present);
+        let reordered = best_form(bench, &without_first, other_forms)?;
+        let is_clearly_less =
+            |trial: &Trial| trial.total_square() < CLEARLY_LESS * self.last.total_square();
+        if !is_clearly_less(&reordered) {
+            return None;
+        }
+        let without_second = bench.unfitted_without(&reordered, second)?;
+        let is_open = reordered.is_material();
+        let forms = forms_of(bench, &self.last, |is_present| is_present || is_open);
+        let last = best_form(bench, &without_second, forms).filter(is_clearly_less)?;
+        let first = bench.without(&last, second)?;
+        last.is_further_than(&first).then(|| Self {
+            first,
+            other: self.other.clone(),
+            last,
+            tried: self.tried.clone(),
+        })
+    }
+}
+
+/// Returns the forms of the last effect of `trial`, where `is_asked` accepts whether a form is the present one.
+fn forms_of(bench: &Bench, trial: &Trial, is_asked: impl Fn(bool) -> bool) -> Vec<EffectSetting> {
+    let present = trial.effects.last().expect("one effect was added");
+    let mut forms = bench.plant.forms_of(present.effect());
+    forms.retain(|form| is_asked(form.variant().name == present.variant().name));
+    forms
+}
+
+#[cfg(test)]
+mod tests {
+    use plant_sim::PlantParameters;
+    use plant_sim::effects::by_id;
+
+    use super::*;
+    use crate::bench;
+    use crate::diagnosis::fit::split::Split;
+
+    /// Alone, a sensor offset makes the droop of a regulator explain more than that of a line with a volume.
+    #[test]
+    fn the_form_of_the_first_effect_is_chosen_again_beside_the_second() {
+        let plant = PlantParameters::nominal();
+        let droop = by_id("supply_line_droop").unwrap();
+        let offset = by_id("sensor_offset").unwrap();
+        let form = |name: &str| {
+            let variant = droop.about().variant(name).unwrap();
+            EffectSetting::typical_variant(droop, variant)
+        };
+        let line = form("line_volume")
+            .with("restriction_area_m2", 1.4e-6)
+            .with("line_volume_m3", 6e-5);
+        let offset_of_rig = EffectSetting::typical(offset).with("offset_bar", 0.03);
+        let rig = bench::Bench {
+            plant: plant.with_effect(line).with_effect(offset_of_rig),
+            ..bench::Bench::default()
+        };
+        let (split, plain) = Split::that_shows(&plant, &[rig.measure()], &[]).unwrap();
+        let library = [droop, offset];
+        let bench = split.bench(&plant, &library);
+        let first = best_form(&bench, &plain, vec![form("regulator")]).unwrap();
+        let offsets = plant.forms_of(offset);
+        let pair = Pair {
+            last: best_form(&bench, &first, offsets.clone()).unwrap(),
+            other: best_form(&bench, &plain, offsets).unwrap(),
+            first,
+            tried: Vec::new(),
+        };
+        let other = pair.in_other_forms(&bench).unwrap();
+        let form_of = |trial: &Trial| trial.effects[0].variant().name;
+        assert_eq!([&other.first, &other.last].map(form_of), ["line_volume"; 2]);
+        assert_eq!(other.last.added(), "sensor_offset");
+        assert!(other.last.total_square() < CLEARLY_LESS * pair.last.total_square());
+        assert!(other.in_other_forms(&bench).is_none());
     }
 }
