@@ -3,10 +3,10 @@
 //! A first plant file has values that are 30 % wrong. They are then estimated, and effects are searched with the estimates. Statements of
 //! the file about a value still apply.
 //!
-//! If the estimates leave the noise, or many of them lie outside of their ranges, effects are searched with the estimates first. No missing
-//! effect stands for as many wrong values, so that a search within the ranges would be in vain. Neither does it follow where a first plant
-//! file may be as wrong as the few values outside and one further effect within the ranges does not account for them. Otherwise effects are
-//! searched within the ranges. If that leaves an error, the values are estimated again, together with the effects found.
+//! If the estimates leave the noise, or many of them lie outside of their ranges, effects are searched with the estimates first. The answer
+//! is final if it needs more values outside than a missing effect could stand for, or if a first plant file may be as wrong as the few
+//! values outside and no further effect within the ranges stands for them. Otherwise effects are also searched within the ranges. If that
+//! leaves an error, the values are estimated again, together with the effects found.
 
 use plant_sim::PlantParameters;
 use plant_sim::effects::Effect;

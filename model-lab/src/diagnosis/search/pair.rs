@@ -3,7 +3,7 @@
 use plant_sim::effects::EffectSetting;
 
 use super::judgement::best_step;
-use super::{Effort, PROSPECT, Tried, Watch, best_form, try_all};
+use super::{Effort, PROSPECT, Tried, Watch, best_form, report, try_all};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::fit::trial::{Bench, Trial};
 use crate::diagnosis::verdict::{CLEARLY_LESS, PARTLY_NAMED_SHARE};
@@ -99,7 +99,7 @@ pub(super) fn best_pair(
         let Some(first) = in_best_form(bench, plain, singles, first) else {
             continue;
         };
-        match pair_on(bench, plain, first.clone(), singles, watch)? {
+        match pair_on(bench, plain, first, singles, watch)? {
             Some(Beside::Both(own)) => keep_better(&mut best, own),
             Some(alone @ Beside::Alone(_)) => return Ok(Some(alone)),
             Some(Beside::Unclear(own)) => {
@@ -110,10 +110,11 @@ pub(super) fn best_pair(
         }
         let is_partly = |pair: &&Pair| pair.explains_most(plain) && pair.last.is_material();
         let own = best.as_deref().filter(|pair| has_first(pair));
-        let other_forms = own
-            .filter(is_partly)
-            .and_then(|pair| pair.in_other_forms(bench));
-        best = other_forms.map(Box::new).or(best);
+        if let Some(own) = own.filter(is_partly)
+            && let Some(other) = own.in_other_forms(bench, watch)?
+        {
+            best = Some(Box::new(other));
+        }
         // Others are tried only where the pair leaves much: what it leaves else is left to further effects.
         let is_enough = |pair: &Pair| pair.explains_most(plain) || !pair.last.is_material();
         if best.as_deref().is_some_and(is_enough) {
@@ -171,15 +172,10 @@ fn pair_on(
     }))))
 }
 
-/// Takes `pair` for the `best` one where it leaves less; the same two effects in other forms, where they leave clearly less.
+/// Takes `pair` for the `best` one where it leaves less.
 fn keep_better(best: &mut Option<Box<Pair>>, pair: Box<Pair>) {
-    let is_better = best.as_ref().is_none_or(|best| {
-        let mut effects = pair.last.effects.iter();
-        let is_same = effects.all(|effect| best.last.has(effect.id()));
-        let share = if is_same { CLEARLY_LESS } else { 1.0 };
-        pair.last.total_square() < share * best.last.total_square()
-    });
-    if is_better {
+    let left = |pair: &Pair| pair.last.total_square();
+    if best.as_ref().is_none_or(|best| left(&pair) < left(best)) {
         *best = Some(pair);
     }
 }
@@ -192,27 +188,33 @@ impl Pair {
 
     /// Returns the two effects with another form of the first one's law, and the form of the second one that suits it: alone, the form of the
     /// first is distorted by what the second explains. None where this does not leave clearly less.
-    fn in_other_forms(&self, bench: &Bench) -> Option<Self> {
+    fn in_other_forms(&self, bench: &Bench, watch: Watch) -> Result<Option<Self>, DiagnoseError> {
         let [named, second] = [self.first.added(), self.last.added()];
-        let without_first = bench.unfitted_without(&self.last, named)?;
-        let other_forms = forms_of(bench, &self.first, |is_present| !is_present);
-        let reordered = best_form(bench, &without_first, other_forms)?;
         let is_clearly_less =
             |trial: &Trial| trial.total_square() < CLEARLY_LESS * self.last.total_square();
-        if !is_clearly_less(&reordered) {
-            return None;
-        }
-        let without_second = bench.unfitted_without(&reordered, second)?;
-        let is_open = reordered.is_material();
+        let refitted = |trial: &Trial, id: &str, forms: Vec<EffectSetting>| {
+            let without = bench.unfitted_without(trial, id)?;
+            best_form(bench, &without, forms).filter(is_clearly_less)
+        };
+        report(watch, "other forms of a law", 0.0)?;
+        let forms = forms_of(bench, &self.first, |is_present| !is_present);
+        let Some(other) = refitted(&self.last, named, forms) else {
+            return Ok(None);
+        };
+        report(watch, "other forms of a law", 0.5)?;
+        let is_open = other.is_material();
         let forms = forms_of(bench, &self.last, |is_present| is_present || is_open);
-        let last = best_form(bench, &without_second, forms).filter(is_clearly_less)?;
-        let first = bench.without(&last, second)?;
-        last.is_further_than(&first).then(|| Self {
-            first,
-            other: self.other.clone(),
-            last,
-            tried: self.tried.clone(),
-        })
+        let last = refitted(&other, second, forms);
+        let pair = last.and_then(|last| {
+            let first = bench.without(&last, second)?;
+            last.is_further_than(&first).then(|| Self {
+                first,
+                other: self.other.clone(),
+                last,
+                tried: self.tried.clone(),
+            })
+        });
+        Ok(pair)
     }
 }
 
@@ -226,6 +228,8 @@ fn forms_of(bench: &Bench, trial: &Trial, is_asked: impl Fn(bool) -> bool) -> Ve
 
 #[cfg(test)]
 mod tests {
+    use core::ops::ControlFlow;
+
     use plant_sim::PlantParameters;
     use plant_sim::effects::by_id;
 
@@ -262,11 +266,12 @@ mod tests {
             first,
             tried: Vec::new(),
         };
-        let other = pair.in_other_forms(&bench).unwrap();
+        let watch = |_| ControlFlow::Continue(());
+        let other = pair.in_other_forms(&bench, &watch).unwrap().unwrap();
         let form_of = |trial: &Trial| trial.effects[0].variant().name;
         assert_eq!([&other.first, &other.last].map(form_of), ["line_volume"; 2]);
         assert_eq!(other.last.added(), "sensor_offset");
         assert!(other.last.total_square() < CLEARLY_LESS * pair.last.total_square());
-        assert!(other.in_other_forms(&bench).is_none());
+        assert!(other.in_other_forms(&bench, &watch).unwrap().is_none());
     }
 }
