@@ -349,6 +349,24 @@ mod tests {
         );
     }
 
+    /// Diagnoses a log of `rig` with the nominal plant file. Returns the answer and the stages of the search.
+    fn diagnosed(rig: PlantParameters) -> (Diagnosis, Vec<&'static str>) {
+        let library = ["chamber_leak", "sensor_lag"].map(|id| by_id(id).unwrap());
+        let log = [Bench {
+            plant: rig,
+            ..Bench::default()
+        }
+        .measure()];
+        let stages = Mutex::new(Vec::new());
+        let watch = |progress: Progress| {
+            stages.lock().unwrap().push(progress.stage);
+            ControlFlow::Continue(())
+        };
+        let plant = PlantParameters::nominal();
+        let found = diagnose_with(&library, &plant, &log, &[], &watch).unwrap();
+        (found, stages.into_inner().unwrap())
+    }
+
     /// Defect seen: on a rig whose file was 30 % off, the search within the ranges of the file tried pairs of effects for five minutes before
     /// the values were estimated in ten seconds.
     #[test]
@@ -361,19 +379,8 @@ mod tests {
         rig.ecu.command_delay_s = 0.0105;
         rig.coil.resistance_20c_ohm *= 0.92;
         rig.armature.preload_fill_n *= 1.15;
-        let library = [by_id("chamber_leak").unwrap(), by_id("sensor_lag").unwrap()];
-        let log = [Bench {
-            plant: rig,
-            ..Bench::default()
-        }
-        .measure()];
-        let stages = Mutex::new(Vec::new());
-        let watch = |progress: Progress| {
-            stages.lock().unwrap().push(progress.stage);
-            ControlFlow::Continue(())
-        };
         let begin = Instant::now();
-        let found = diagnose_with(&library, &plant, &log, &[], &watch).unwrap();
+        let (found, stages) = diagnosed(rig);
         // Defect seen: the time of the estimation was counted twice.
         assert!(found.cost.elapsed_s <= begin.elapsed().as_secs_f64());
         let sentence = &found.sentence;
@@ -389,37 +396,22 @@ mod tests {
                 value.name
             );
         }
-        let stages = stages.into_inner().unwrap();
         let first = |stage: &str| stages.iter().position(|&one| one == stage);
         assert!(first("clocks of the loggers") < first("detection limits"));
         assert_eq!(first("pairs of effects"), None);
     }
+
     /// Defect seen: the estimates left the noise after 23 s, and effects were searched within the ranges of the file for another 150 s, in
     /// vain.
     #[test]
     fn a_first_file_with_few_wrong_values_needs_no_search_within_its_ranges() {
-        let plant = PlantParameters::nominal();
-        let mut rig = plant.clone();
+        let mut rig = PlantParameters::nominal();
         rig.ecu.command_delay_s = 0.0205;
         rig.armature.preload_fill_n *= 1.09;
-        let library = ["chamber_leak", "sensor_lag"].map(|id| by_id(id).unwrap());
-        let log = [Bench {
-            plant: rig,
-            ..Bench::default()
-        }
-        .measure()];
-        let stages = Mutex::new(Vec::new());
-        let watch = |progress: Progress| {
-            stages.lock().unwrap().push(progress.stage);
-            ControlFlow::Continue(())
-        };
-        let found = diagnose_with(&library, &plant, &log, &[], &watch).unwrap();
-        assert_eq!(found.verdict, Verdict::PlantFileWrong, "{}", found.sentence);
-        assert!(
-            (1..=FEW).contains(&found.outside.len()),
-            "{}",
-            found.sentence
-        );
-        assert!(!stages.into_inner().unwrap().contains(&"wider ranges"));
+        let (found, stages) = diagnosed(rig);
+        let sentence = &found.sentence;
+        assert_eq!(found.verdict, Verdict::PlantFileWrong, "{sentence}");
+        assert!((1..=FEW).contains(&found.outside.len()), "{sentence}");
+        assert!(!stages.contains(&"wider ranges"), "{stages:?}");
     }
 }
