@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use clap::error::ErrorKind;
-use clap::{Arg, Command, CommandFactory as _};
+use clap::{Arg, ArgAction, Command, CommandFactory as _};
 use plant_sim::parameters::is_datasheet_key;
 use recording::LogFormat;
 
@@ -186,6 +186,8 @@ struct Taken {
     options: Vec<String>,
     /// Whether it takes logs without an option.
     logs: bool,
+    /// Whether it takes one log only.
+    one_log: bool,
 }
 
 impl Taken {
@@ -201,6 +203,9 @@ impl Taken {
                 .map(|name| format!("--{name}"))
                 .collect(),
             logs: arguments().any(Arg::is_positional),
+            one_log: arguments().any(|one| {
+                one.get_long() == Some("log") && matches!(one.get_action(), ArgAction::Set)
+            }),
         }
     }
 
@@ -216,6 +221,11 @@ fn corrected(arguments: Vec<String>, wrong: &Path, kind_of: &dyn Fn(&Path) -> Ki
     let mut text = format!("retarder {command}");
     let taken = Taken::by(&command);
     let (mut moved, mut has_log) = (String::new(), false);
+    let is_at_its_place = |item: &Item| {
+        matches!(item.option.as_deref(), None | Some("--log"))
+            && kind_of(Path::new(&item.value)) == Kind::Log
+    };
+    let takes_no_more_logs = taken.one_log && items.iter().any(is_at_its_place);
     for Item { option, value } in items {
         let path = Path::new(&value);
         let is_file = option.is_some() || path == wrong;
@@ -235,7 +245,9 @@ fn corrected(arguments: Vec<String>, wrong: &Path, kind_of: &dyn Fn(&Path) -> Ki
         let is_log = matches!(option.as_deref(), Some("--log" | "--check"));
         has_log |= is_log && fits || !fits && kind == Kind::Log;
         match (kind.option().filter(|_| !fits), option) {
-            (Some(right), _) if taken.has(right) => moved += &format!(" {right} {shown}"),
+            (Some(right), _) if taken.has(right) && !(right == "--log" && takes_no_more_logs) => {
+                moved += &format!(" {right} {shown}");
+            }
             (Some(_), Some(option)) => {
                 text += &format!(" {option} {}", option[2..].to_uppercase());
             }
@@ -315,6 +327,17 @@ mod tests {
             "compare --plant=a.csv",
             "a.csv",
             "retarder compare --log a.csv",
+        );
+        // It takes one log, and has it.
+        check(
+            "compare --plant a.csv --log b.csv",
+            "a.csv",
+            "retarder compare --plant PLANT --log b.csv",
+        );
+        check(
+            "compare b.csv --plant a.csv",
+            "a.csv",
+            "retarder compare b.csv --plant PLANT",
         );
         // These commands have no option `--log`.
         check(
