@@ -35,12 +35,14 @@ fn with_all(plant: &PlantParameters) -> PlantParameters {
     acting.fold(plant.clone(), |plant, effect| plant.with_effect(effect))
 }
 
+/// Returns the samples of a simulation under conditions in which every effect acts.
 fn run(
     plant: &PlantParameters,
     duties: &[(f64, f64)],
     tolerance: Tolerance,
 ) -> (Vec<Sample>, Statistics) {
     let mut simulator = Simulator::with_tolerance(plant, tolerance);
+    simulator.set_supply_voltage(22.0);
     let mut samples = Vec::new();
     for (index, &(duty_fill_pct, duty_vent_pct)) in duties.iter().enumerate() {
         simulator.advance_to_ns(index as u64 * 10_000_000);

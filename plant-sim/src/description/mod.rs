@@ -10,6 +10,7 @@ mod spec;
 pub use about::{About, EntryPoint, Variant};
 pub use knowledge::Knowledge;
 pub(crate) use knowledge::middle;
+pub(crate) use parameters::REFERENCE_V;
 pub use parameters::{Effect, EffectSetting, OwnEffects, PlantParameters};
 pub use sections::{
     ArmatureParameters, ChamberParameters, CoilParameters, EcuParameters, FlowParameters,

@@ -222,6 +222,8 @@ impl PartialEq for EffectSetting {
 
 /// Pressure (bar gauge) to which sizes refer in a plant without supply: the rated pressure of pneumatic components.
 pub(crate) const REFERENCE_BAR_GAUGE: f64 = 6.3;
+/// Supply voltage (V) of valves without a coil whose plant file states none: that of a truck.
+pub(crate) const REFERENCE_V: f64 = 24.0;
 /// Smallest gauge pressure (Pa) to which a size refers, because a supply that is shut off has none.
 const LEAST_REFERENCE: f64 = PA_PER_BAR;
 
@@ -266,10 +268,14 @@ impl PlantParameters {
     }
 
     /// Returns parameters to be filled from a file. The preset values are those of a plant without the part: air at the
-    /// standard atmosphere, and for the leaks of a chamber without supply the rated pressure of pneumatic components.
+    /// standard atmosphere, the voltage of a truck, and for the leaks of a chamber without supply the rated pressure of
+    /// pneumatic components.
     pub(crate) fn blank() -> Self {
         Self {
-            ecu: EcuParameters::default(),
+            ecu: EcuParameters {
+                supply_voltage_v: REFERENCE_V,
+                ..EcuParameters::default()
+            },
             coil: CoilParameters::default(),
             magnet: MagnetParameters::default(),
             armature: ArmatureParameters::default(),

@@ -1,9 +1,9 @@
 //! Access to the value that a spec describes.
 
-use super::names::REGULATING_VALVE;
+use super::names::{OMITTED_IF_0, REGULATING_VALVE};
 use super::parts::Part;
 use super::table::{PARAMETERS, field, field_mut};
-use crate::description::{ParameterSpec, PlantParameters};
+use crate::description::{ParameterSpec, PlantParameters, REFERENCE_V};
 
 impl ParameterSpec {
     /// Returns the spec of `section.key`, of a plant file without user-defined effects.
@@ -40,6 +40,18 @@ impl ParameterSpec {
         };
         let setting = parameters.effects.iter_mut().find(|set| set.id() == id)?;
         setting.slot(self.key)
+    }
+
+    /// Returns the value of a key that the file of `plant` may omit; `None` if the file needs it.
+    pub(super) fn preset(&self, plant: &PlantParameters) -> Option<f64> {
+        let key = (self.section, self.key);
+        if OMITTED_IF_0.contains(&key) {
+            Some(0.0)
+        } else {
+            // A coil without its voltage is not described.
+            let is_voltage = key == ("ecu", "supply_voltage_v");
+            (is_voltage && !Part::Coil.is_in(plant)).then_some(REFERENCE_V)
+        }
     }
 
     /// Returns whether a plant file may omit the section.

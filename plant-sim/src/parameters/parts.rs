@@ -19,6 +19,8 @@ pub enum Part {
     CommandedValve(usize),
     /// Coil of either valve.
     Coil,
+    /// Valve that a supply voltage drives: one with a coil, or an on/off valve whose coil is not described.
+    Driven,
     /// Movable armature of either valve.
     Armature,
     /// Armature of one valve.
@@ -76,6 +78,7 @@ impl Part {
                 has_chamber && plant.functions[valve].has_orifice() && has_diameter(valve)
             }
             Self::Coil => any(ValveFunction::has_coil),
+            Self::Driven => any(|function| function.has_coil() || function == ValveFunction::OnOff),
             Self::Armature => any(ValveFunction::has_armature),
             Self::ArmatureOf(valve) => plant.functions[valve].has_armature(),
             Self::ArmatureUnderPressure => has_chamber && any(ValveFunction::has_armature),
@@ -116,6 +119,7 @@ impl Part {
             ("coil", "inductance_open_h") => Self::Armature,
             ("ecu", "sample_time_s" | "pwm_frequency_hz") => Self::Commanded,
             ("ecu", "command_delay_s") => Self::DelayedOutput,
+            ("ecu", "supply_voltage_v") => Self::Driven,
             ("ecu" | "coil", _) => Self::Coil,
             ("on_off_fill", _) => Self::OnOffValve(FILL),
             ("on_off_vent", _) => Self::OnOffValve(VENT),
@@ -150,7 +154,7 @@ impl Part {
             format!("{} in [{VALVES}]", keys.join(" and "))
         };
         match self {
-            Self::Coil | Self::Commanded | Self::DelayedOutput => {
+            Self::Coil | Self::Driven | Self::Commanded | Self::DelayedOutput => {
                 Some(words(&VALVE_KEYS, "\"absent\""))
             }
             Self::Orifice => Some(words(&VALVE_KEYS, "\"on_off\"")),
@@ -197,6 +201,7 @@ impl fmt::Display for Part {
                 write!(f, "{} valve that is commanded", VALVE_KEYS[*valve])
             }
             Self::Coil => f.write_str("coil"),
+            Self::Driven => f.write_str("valve that a voltage drives"),
             Self::Armature => f.write_str("armature that moves"),
             Self::ArmatureOf(valve) => {
                 write!(f, "armature of the {} valve", VALVE_KEYS[*valve])

@@ -6,8 +6,8 @@ use super::consistency::inconsistency;
 use super::error::{ParameterError, Problem};
 use super::knowledge::{self, FORMS, number};
 use super::names::{
-    CHAMBER, FUNCTIONS, LAG_OF, LAGS, OMITTED_IF_0, PROPORTIONAL, REGULATING_VALVE, SECOND_CHAMBER,
-    SENSOR, SENSOR_PLACES, VALVE_KEYS, VALVES, VARIANT,
+    CHAMBER, FUNCTIONS, LAG_OF, LAGS, PROPORTIONAL, REGULATING_VALVE, SECOND_CHAMBER, SENSOR,
+    SENSOR_PLACES, VALVE_KEYS, VALVES, VARIANT,
 };
 use super::own_effects;
 use super::parts::Part;
@@ -117,7 +117,7 @@ impl Reader<'_> {
         for &spec in PARAMETERS.iter() {
             let in_table = !spec.is_optional() || (regulating && spec.section == REGULATING_VALVE);
             let needed = in_table
-                && !OMITTED_IF_0.contains(&(spec.section, spec.key))
+                && spec.preset(&self.parameters).is_none()
                 && Part::of_parameter(spec).is_in(&self.parameters);
             if needed && !present.iter().any(|(seen, _)| std::ptr::eq(*seen, spec)) {
                 self.problems.push(Problem::MissingKey { spec });

@@ -55,7 +55,7 @@ parameters! { THESIS_MODEL thesis_field thesis_field_mut required:
     ecu.sample_time_s ["s"] 1e-4 ..= 1.0, "ECU sample time T_ECU; the grid of commands and samples";
     ecu.pwm_frequency_hz ["Hz"] 5.0 ..= 5000.0, "PWM frequency f_PWM of both outputs (equation 3.1)";
     ecu.command_delay_s ["s"] 0.0 ..= 1.0, "time from a command to its effect at the output (section 4.2.4)";
-    ecu.supply_voltage_v ["V"] 5.0 ..= 60.0, "supply voltage e at the ECU output (equation 3.2)";
+    ecu.supply_voltage_v ["V"] 5.0 ..= 60.0, "supply voltage e at the ECU output (equation 3.2); may be absent for valves without a coil and is 24 V then";
     ecu.free_wheel_diode_drop_v ["V"] 0.0 ..= 60.0, "drop V_D of the freewheeling diode (equation 3.5)";
     coil.resistance_20c_ohm ["ohm"] 0.5 ..= 5000.0, "coil resistance R at 20 degC (equation 3.2)";
     coil.resistance_temperature_coefficient_per_k ["1/K"] 0.0 ..= 0.01, "temperature coefficient of the resistance (equation 5.7), copper 0.0039; without effect while the coil stays at 20 degC, as in the plain model";

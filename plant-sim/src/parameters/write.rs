@@ -4,8 +4,8 @@ use core::fmt::Write as _;
 
 use super::knowledge;
 use super::names::{
-    FUNCTIONS, LAG_OF, OMITTED_IF_0, PROPORTIONAL, SECOND_CHAMBER, SENSOR, SENSOR_PLACES,
-    VALVE_KEYS, VALVES, VARIANT,
+    FUNCTIONS, LAG_OF, PROPORTIONAL, SECOND_CHAMBER, SENSOR, SENSOR_PLACES, VALVE_KEYS, VALVES,
+    VARIANT,
 };
 use super::table::PARAMETERS;
 use crate::description::{EffectSetting, ParameterSpec, PlantParameters, SensorPlace};
@@ -19,9 +19,8 @@ pub(super) fn write(parameters: &PlantParameters) -> String {
         let Some(value) = spec.value(parameters) else {
             continue;
         };
-        let may_be_omitted = OMITTED_IF_0.contains(&(spec.section, spec.key))
-            && !parameters.knowledge.contains_key(&spec.name());
-        if may_be_omitted && value == 0.0 {
+        let is_stated = parameters.knowledge.contains_key(&spec.name());
+        if spec.preset(parameters) == Some(value) && !is_stated {
             continue;
         }
         if spec.section != section {

@@ -385,7 +385,8 @@ impl Simulator {
         let plant = self.plant();
         let delay = plant.additions.opening_delay.as_ref();
         delay.map_or(1.0, |delay| {
-            delay.factor(plant.pressure_drop(valve, self.state().pressure))
+            let drop = plant.pressure_drop(valve, self.state().pressure);
+            delay.factor(drop, self.supply_voltage)
         })
     }
 }

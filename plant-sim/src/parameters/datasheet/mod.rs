@@ -259,8 +259,10 @@ impl PlantParameters {
     fn not_given(&self, given: &[&str]) -> impl Iterator<Item = Problem> {
         let missing = ROWS.iter().filter(|row| {
             let is_first = ROWS.iter().find(|one| one.name == row.name);
+            let may_be_omitted =
+                |name| ParameterSpec::by_name(name).is_some_and(|spec| spec.preset(self).is_some());
             let is_needed = self.get(row.name).is_some()
-                && !may_be_0(row.name)
+                && !may_be_omitted(row.name)
                 && row.name != SAMPLE_TIME
                 && is_first.is_some_and(|first| first.key == row.key);
             is_needed && !given.contains(&row.name)
@@ -278,12 +280,6 @@ impl PlantParameters {
         });
         problems.collect::<Vec<_>>().into_iter()
     }
-}
-
-/// Returns whether a parameter is 0 where it is not given.
-fn may_be_0(name: &str) -> bool {
-    let is_it = |(section, key): &(&str, &str)| format!("{section}.{key}") == name;
-    OMITTED_IF_0.iter().any(is_it)
 }
 
 /// Returns the problem of a kind of valve that does not exist.
