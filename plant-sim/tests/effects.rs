@@ -46,6 +46,7 @@ fn run(
     let mut samples = Vec::new();
     for (index, &(duty_fill_pct, duty_vent_pct)) in duties.iter().enumerate() {
         simulator.advance_to_ns(index as u64 * 10_000_000);
+        simulator.move_actuator(1e-5 * (index % 20) as f64, 0.01);
         samples.push(simulator.sample());
         simulator.command(Command {
             duty_fill_pct,
@@ -121,6 +122,7 @@ fn the_ids_are_those_of_the_design() {
     assert_eq!(
         ids,
         [
+            "actuator_volume",
             "chamber_leak",
             "coil_ambient_temperature",
             "coil_heating",

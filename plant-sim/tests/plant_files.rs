@@ -54,6 +54,29 @@ fn a_written_file_reads_back_to_the_same_bits() {
     assert_eq!(plant, again);
 }
 
+/// A coil without its voltage is not described; a valve that is known by its delays has one all the same (E73).
+#[test]
+fn valves_without_a_coil_need_no_supply_voltage_and_may_state_it() {
+    let voltage = "ecu.supply_voltage_v";
+    let mut plant = PlantParameters::nominal();
+    plant.functions = [ValveFunction::OnOff; 2];
+    for valve in [&mut plant.on_off_fill, &mut plant.on_off_vent] {
+        (valve.conductance_dm3_per_s_bar, valve.critical_ratio) = (0.1, 0.3);
+        (valve.opening_ramp_s, valve.closing_ramp_s) = (4e-3, 2e-3);
+    }
+    let silent = plant.to_toml();
+    assert!(!silent.contains("supply_voltage_v"), "{silent}");
+    let read = |text: &str| PlantParameters::from_toml(text, "rig.toml").unwrap();
+    assert_eq!(read(&silent).get(voltage), Some(24.0));
+    plant.set(voltage, 12.0, "bench").unwrap();
+    assert_eq!(read(&plant.to_toml()).get(voltage), Some(12.0));
+    let without = refusal(&changed("supply_voltage_v", "# supply_voltage_v"));
+    assert!(
+        without.contains("`supply_voltage_v` is missing"),
+        "{without}"
+    );
+}
+
 #[test]
 fn every_parameter_is_refused_beyond_its_range_and_accepted_at_its_ends() {
     let nominal = PlantParameters::nominal();

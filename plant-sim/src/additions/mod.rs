@@ -1,6 +1,7 @@
 //! Additions of the effects to the thesis' model: filled by [`Effect::install`](crate::effects::Effect::install), read
 //! by the simulator. The laws here are independent of the effects; several effects may share one.
 
+mod actuator;
 mod cavity;
 mod flow_force;
 mod growth;
@@ -14,6 +15,7 @@ mod sensor_lag;
 mod wall_heat;
 mod warm_up;
 
+pub use actuator::Actuator;
 pub use cavity::Cavity;
 pub(crate) use cavity::Tube;
 pub use flow_force::FlowForce;
@@ -59,6 +61,8 @@ pub struct Additions {
     pub growth: Option<Growth>,
     /// Plunger that enlarges the chamber.
     pub plunger: Option<Plunger>,
+    /// Actuator that enlarges the chamber.
+    pub actuator: Option<Actuator>,
     /// Saturation of the iron.
     pub saturation: Option<Saturation>,
     /// Conductance of the eddy currents' loop, referred to the coil (1/Ω).
@@ -115,6 +119,7 @@ impl Additions {
             || self.cavity.is_some()
             || self.growth.is_some()
             || self.plunger.is_some()
+            || self.actuator.is_some()
             || !self.hooks.is_empty()
     }
 }

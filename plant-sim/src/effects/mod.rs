@@ -8,6 +8,7 @@
 //! change existing parameters; the others fill [`Additions`](crate::additions::Additions). A user-defined effect does
 //! the same, or adds closures to [`Hooks`](crate::hooks::Hooks), as in `examples/own_effect.rs`.
 
+pub mod actuator_volume;
 pub mod chamber_leak;
 pub mod coil_ambient_temperature;
 pub mod coil_heating;
@@ -34,7 +35,7 @@ pub mod switching_delay;
 pub use crate::description::{About, Effect, EffectSetting, EntryPoint, OwnEffects, Variant};
 
 /// All effects of the library. They are installed in this order, independent of the order in the plant file.
-pub static LIBRARY: [&dyn Effect; 22] = [
+pub static LIBRARY: [&dyn Effect; 23] = [
     &chamber_leak::ChamberLeak,
     &supply_seat_leak::SupplySeatLeak,
     &coil_ambient_temperature::CoilAmbientTemperature,
@@ -57,6 +58,7 @@ pub static LIBRARY: [&dyn Effect; 22] = [
     &series_restriction::SeriesRestriction,
     &dead_volume::DeadVolume,
     &switching_delay::SwitchingDelay,
+    &actuator_volume::ActuatorVolume,
 ];
 
 /// Returns the effect of the library with this id.

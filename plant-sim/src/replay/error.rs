@@ -90,6 +90,23 @@ pub enum ReplayError {
         /// Name of the signal.
         name: &'static str,
     },
+    /// The position of the actuator has no value.
+    #[error(
+        "every sample of the position `x_actuator` is missing: log it, or leave out the column"
+    )]
+    EmptyPosition,
+    /// The chamber has no volume left at a position of the actuator.
+    #[error(
+        "at x_actuator = {} mm, the actuator of {} cm2 leaves the chamber no volume: look at the sign and the size of \
+         effects.actuator_volume.area_m2, at the unit of x_actuator, and at chamber.volume_m3, which is the volume at position 0",
+        position * 1e3, area * 1e4
+    )]
+    NoVolume {
+        /// Position (m).
+        position: f64,
+        /// Area of the actuator (m²).
+        area: f64,
+    },
     /// The ambient pressure is a gauge pressure.
     #[error(
         "{source_name}: `p_amb` is a gauge pressure, which is 0 by definition: declare its unit as absolute, as in p_amb_bar_abs"

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use recording::{Converter, Quantity, Recording, Signal, TimeBase, Unit, median_step_s};
 
 use super::error::ReplayError;
-use super::{names, signals, supply};
+use super::{actuator, names, signals, supply};
 use crate::ecu_output::Command;
 use crate::parameters::{Part, PlantParameters, SensorPlace};
 use crate::plant::{FILL, VENT};
@@ -29,6 +29,8 @@ pub struct ReplayInput {
     pub supply_voltage_v: Option<f64>,
     /// Supply pressure as shown by its gauge (Pa abs), if logged; with `None` the last one stays valid.
     pub supply_pressure: Option<f64>,
+    /// Position of the actuator (m), if logged: it moves there from its last one at a constant velocity.
+    pub actuator_position: Option<f64>,
 }
 
 impl ReplayInput {
@@ -42,6 +44,7 @@ impl ReplayInput {
             samples_current: [true; 2],
             supply_voltage_v: None,
             supply_pressure: None,
+            actuator_position: None,
         }
     }
 }
@@ -81,7 +84,7 @@ pub fn united<'a>(parameters: &PlantParameters, log: &'a Recording) -> Cow<'a, R
 }
 
 /// Inputs of a plant from a log, row by row. They are read from the log itself: an hour at 1 kHz takes no additional
-/// memory, except for a logged supply pressure and for signals of a lower rate than the rows.
+/// memory, except for a logged supply pressure or actuator position and for signals of a lower rate than the rows.
 #[derive(Debug, Clone)]
 pub struct Inputs<'a> {
     base: &'a TimeBase,
@@ -93,6 +96,8 @@ pub struct Inputs<'a> {
     supply: Option<Supply<'a>>,
     /// Supply pressure of each row (Pa abs), NaN if the last one stays valid.
     supply_pressure: Option<Arc<Vec<f64>>>,
+    /// Position of the actuator of each row (m).
+    actuator_position: Option<Arc<Vec<f64>>>,
 }
 
 /// Signal of the log in the unit of the model.
@@ -281,6 +286,7 @@ impl<'a> Inputs<'a> {
             current_rows,
             supply,
             supply_pressure: supply::logged_supply(parameters, log, base).map(Arc::new),
+            actuator_position: actuator::logged_position(parameters, log, base)?.map(Arc::new),
         })
     }
 
@@ -332,6 +338,7 @@ impl<'a> Inputs<'a> {
                 .as_ref()
                 .map(|rows| rows[index])
                 .filter(|pressure| pressure.is_finite()),
+            actuator_position: self.actuator_position.as_ref().map(|rows| rows[index]),
             ..ReplayInput::at(self.time_ns(index))
         }
     }

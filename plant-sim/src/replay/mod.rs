@@ -6,6 +6,8 @@
 //!
 //! Signals of several rates share the rows of [`united`]: a row exists for each instant of any of them.
 
+mod actuator;
+mod averaging;
 mod error;
 mod inputs;
 mod mean_current;
@@ -13,6 +15,7 @@ mod names;
 mod supply;
 mod surroundings;
 
+pub use actuator::ACTUATOR_POSITION;
 pub use error::ReplayError;
 pub use inputs::{Inputs, LONGEST_GAP_S, ReplayInput, check_gap, initial_pressure, inputs, united};
 pub use names::{UnknownSignal, unknown_signals};
@@ -119,6 +122,8 @@ pub struct Replay {
     supply_pressure: Option<f64>,
     /// Offset of the gauge (Pa).
     supply_gauge_offset: f64,
+    /// Position of the actuator (m) to which the last row moved it; `None` before one was logged.
+    actuator_position: Option<f64>,
     last: Option<Sample>,
     mean_current: [MeanCurrent; 2],
     /// Simulated time before the first row (ns).
@@ -157,6 +162,7 @@ impl Replay {
             supply_pressure: None,
             supply_gauge_offset: parameters.gas.supply_gauge_offset_bar
                 * crate::parameters::PA_PER_BAR,
+            actuator_position: None,
             last: None,
             mean_current: Default::default(),
             lead_ns: 0,
@@ -227,6 +233,7 @@ impl Replay {
         let periods = span_ns.div_ceil(self.pwm_period_ns.max(1));
         self.work_limit += WORK_PER_PERIOD * periods.clamp(1, PERIODS_OF_ROW_MAX);
         self.simulator.set_work_limit(self.work_limit);
+        self.move_actuator(input, span_ns);
         if let Some(command) = input.command
             && command != self.command
         {
@@ -236,6 +243,16 @@ impl Replay {
                 self.simulator.command_at(issued_ns, command);
             }
         }
+    }
+
+    /// Moves the actuator so that it is at the position of the row after `span_ns`; without a position it rests.
+    fn move_actuator(&mut self, input: &ReplayInput, span_ns: u64) {
+        let Some(position) = input.actuator_position.or(self.actuator_position) else {
+            return;
+        };
+        let is_known = self.actuator_position.replace(position).is_some();
+        let within_s = if is_known { span_ns as f64 * 1e-9 } else { 0.0 };
+        self.simulator.move_actuator(position, within_s);
     }
 
     /// Advances to an instant (ns) before the row that was begun.

@@ -3,12 +3,14 @@
 use recording::{Quantity, Recording, Signal, Unit, nearest_name};
 
 use super::{
-    AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, ROW_SIGNALS, SUPPLY_PRESSURE, signals,
+    ACTUATOR_POSITION, AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, ROW_SIGNALS,
+    SUPPLY_PRESSURE, signals,
 };
 use crate::parameters::PlantParameters;
 
 /// Signals that a replay uses and that are not signals of the model.
-const KNOWN: [&str; 4] = [
+const KNOWN: [&str; 5] = [
+    ACTUATOR_POSITION,
     SUPPLY_PRESSURE,
     AMBIENT_PRESSURE,
     AMBIENT_TEMPERATURE,

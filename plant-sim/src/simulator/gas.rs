@@ -209,6 +209,7 @@ pub(super) fn resting_pressure(
         || additions.cavity.is_some()
         || (additions.growth.is_some() && is_open)
         || additions.plunger.is_some()
+        || additions.actuator.is_some_and(|one| is_open || one.velocity != 0.0)
         || !(follows_areas(0) && follows_areas(1))
         // The leak goes to ambient, independent of the drain.
         || (additions.leaks[0].is_some() && plant.drain_pressure != plant.ambient_pressure)
@@ -245,8 +246,14 @@ pub(super) fn pressure_drop(
     through_valve(plant, layout, opening, upstream, downstream).1
 }
 
-/// Returns the volume of the gas while the pressure rises or falls.
-fn volume(plant: &Plant, chamber: ChamberNow, rises: bool, now: Option<&Now>) -> Volume {
+/// Returns the volume of the gas while the pressure rises or falls, with the actuator at `position` (m).
+fn volume(
+    plant: &Plant,
+    chamber: ChamberNow,
+    position: f64,
+    rises: bool,
+    now: Option<&Now>,
+) -> Volume {
     let ChamberNow { pressure, swept } = chamber;
     let additions = &plant.additions;
     let swept = additions.plunger.map_or(Volume::NONE, |plunger| {
@@ -255,11 +262,14 @@ fn volume(plant: &Plant, chamber: ChamberNow, rises: bool, now: Option<&Now>) ->
     let grown = additions
         .growth
         .map_or(Volume::NONE, |growth| growth.volume(pressure));
+    let moved = additions.actuator.map_or(Volume::NONE, |actuator| {
+        actuator.volume(position, plant.chamber.volume)
+    });
     let own = own_volume(plant, now);
     Volume {
-        size: plant.chamber.volume + swept.size + grown.size + own.size,
+        size: plant.chamber.volume + swept.size + grown.size + moved.size + own.size,
         compliance: swept.compliance + grown.compliance + own.compliance,
-        growth: swept.growth + own.growth,
+        growth: swept.growth + moved.growth + own.growth,
     }
 }
 
@@ -357,6 +367,9 @@ pub(super) fn rates(
     let source = source(plant, layout, extra, now);
     let swept = layout.plunger.map_or(swept, |plunger| extra[plunger]);
     let chamber = ChamberNow { pressure, swept };
+    if let (Some(index), Some(actuator)) = (layout.actuator, &additions.actuator) {
+        extra_rates[index] = actuator.velocity;
+    }
     if let (Some(index), Some(plunger)) = (layout.plunger, &additions.plunger) {
         extra_rates[index] = plunger.rate(swept, pressure);
     }
@@ -418,6 +431,7 @@ pub(super) fn rates(
     }
     account(own, own >= 0.0);
 
+    let position = layout.actuator.map_or(0.0, |actuator| extra[actuator]);
     let pressure_rate = match (&additions.wall_heat, layout.temperature) {
         (Some(heat), Some(index)) => {
             let wall = layout.wall.map_or(heat.surroundings, |wall| extra[wall]);
@@ -427,7 +441,7 @@ pub(super) fn rates(
             let balance = Balance {
                 inflow,
                 outflow,
-                volume: volume(plant, chamber, power > 0.0, now),
+                volume: volume(plant, chamber, position, power > 0.0, now),
             };
             let [rate, temperature_rate, wall_rate] =
                 heat.rates(&balance, power, pressure, temperature, wall);
@@ -438,7 +452,7 @@ pub(super) fn rates(
             rate
         }
         _ => {
-            let volume = volume(plant, chamber, inflow > outflow, now);
+            let volume = volume(plant, chamber, position, inflow > outflow, now);
             let stretched = (volume.size + pressure * volume.compliance) / plant.chamber.volume;
             let thinned = pressure * volume.growth / plant.chamber.volume;
             (plain * (inflow - outflow) - thinned) / stretched

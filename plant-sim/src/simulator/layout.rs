@@ -25,6 +25,8 @@ pub(super) struct Layout {
     pub(super) polarisation: Option<usize>,
     /// Share of its travel of a damped plunger (-).
     pub(super) plunger: Option<usize>,
+    /// Position of the actuator (m).
+    pub(super) actuator: Option<usize>,
     /// First index and number of the user-defined states.
     pub(super) own: (usize, usize),
     /// Whether each valve alone limits the flow through it.
@@ -58,6 +60,7 @@ impl Layout {
                 .plunger
                 .is_some_and(|plunger| plunger.damping.is_some()),
         );
+        let actuator = place(additions.actuator.is_some());
         let own = additions.hooks.states.len();
         let has_line = additions.supply_line.and_then(Line::orifice).is_some();
         let is_alone = [FILL, VENT].map(|index| {
@@ -74,6 +77,7 @@ impl Layout {
             cavity,
             polarisation,
             plunger,
+            actuator,
             own: (layout.len, own),
             is_alone,
             len: layout.len + own,
@@ -115,6 +119,9 @@ impl Layout {
             plant.swept_at_rest(),
             pressure_tolerance * 2e-6,
         );
+        // Its velocity is constant between two rows, so that no method has an error: a micrometre, for the differences of
+        // a Jacobian.
+        set(self.actuator, 0.0, pressure_tolerance * 1e-7);
         // The same share of 24 V as of the supply pressure.
         set(self.polarisation, 0.0, pressure_tolerance * 2.5e-5);
         let relative = pressure_tolerance / super::Tolerance::default().pressure;

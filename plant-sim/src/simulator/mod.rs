@@ -255,6 +255,22 @@ impl Simulator {
         }
     }
 
+    /// Moves an actuator that changes the volume of the chamber to `position` (m) at a constant velocity, at which it arrives
+    /// after `within_s` (s); at once if that is 0. Call it again there, or it goes on. Without the effect `actuator_volume`
+    /// nothing changes.
+    ///
+    /// # Panics
+    /// Panics if a value is not finite, or the time negative.
+    pub fn move_actuator(&mut self, position: f64, within_s: f64) {
+        assert!(
+            position.is_finite() && within_s.is_finite() && within_s >= 0.0,
+            "an actuator cannot move to {position} m within {within_s} s"
+        );
+        if let Engine::Extended(solver) = &mut self.engine {
+            solver.physics.move_actuator(position, within_s);
+        }
+    }
+
     /// Returns whether the gas temperature is a state, which the effect `gas_temperature` adds.
     pub fn has_gas_temperature(&self) -> bool {
         match &self.engine {

@@ -16,9 +16,9 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
     /// `t_gas`, `t_wall`, `t_second`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`,
-    /// `plunger_share`, or `own` for a user-defined state.
+    /// `plunger_share`, `x_actuator`, or `own` for a user-defined state.
     pub name: &'static str,
-    /// Value: K, Pa abs, V or a pure number, or the unit of a user-defined state.
+    /// Value: K, Pa abs, V, m or a pure number, or the unit of a user-defined state.
     pub value: f64,
 }
 
@@ -115,6 +115,7 @@ impl Extended {
             cavity,
             polarisation,
             plunger,
+            actuator,
             own: (first, number),
             ..
         } = self.layout;
@@ -127,6 +128,7 @@ impl Extended {
             ("p_cavity", cavity),
             ("u_polarisation", polarisation),
             ("plunger_share", plunger),
+            ("x_actuator", actuator),
         ];
         let state = |name, value| EffectState { name, value };
         let mut states: Vec<_> = named
@@ -172,6 +174,21 @@ impl Extended {
     fn sensed_cavity(&self) -> Option<usize> {
         let cavity = self.plant.additions.cavity.as_ref()?;
         self.layout.cavity.filter(|_| cavity.holds_the_sensor)
+    }
+
+    /// Moves the actuator, if there is one, to `position` (m) within a time (s).
+    pub(in crate::simulator) fn move_actuator(&mut self, position: f64, within_s: f64) {
+        if let (Some(index), Some(actuator)) =
+            (self.layout.actuator, &mut self.plant.additions.actuator)
+        {
+            let present = &mut self.extra[index];
+            actuator.velocity = if within_s > 0.0 {
+                (position - *present) / within_s
+            } else {
+                *present = position;
+                0.0
+            };
+        }
     }
 
     /// Returns the gas temperature (K), if it is a state.
