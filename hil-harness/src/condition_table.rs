@@ -3,6 +3,7 @@
 use core::fmt;
 
 use plant_sim::effects::{EffectSetting, LIBRARY};
+use plant_sim::replay::ACTUATOR_POSITION;
 use plant_sim::{ParameterError, PlantParameters};
 
 use crate::checks::StepResponse;
@@ -63,7 +64,8 @@ impl Condition {
     }
 
     /// Returns the conditions of the table for a kind of rig: the plant's own, the supply voltages and temperatures of a
-    /// vehicle, all of these at once, and each effect of the library that acts on it, at its typical size.
+    /// vehicle, all of these at once, and each effect of the library that acts on it, at its typical size. An actuator
+    /// rests in the loop.
     pub fn all(plant: &PlantParameters) -> Vec<Self> {
         let volts = [18.0, 20.0, 22.0, 26.0, 28.0, 30.0, 32.0];
         let constant =
@@ -81,7 +83,8 @@ impl Condition {
         };
         let acting = LIBRARY
             .iter()
-            .filter_map(|effect| plant.forms_of(*effect).into_iter().next());
+            .filter_map(|effect| plant.forms_of(*effect).into_iter().next())
+            .filter(|effect| effect.driven_by() != Some(ACTUATOR_POSITION));
         let effects = acting.map(|effect| Self {
             effect: Some(effect.clone()),
             ..Self::named(effect.id())

@@ -89,8 +89,9 @@ fn every_effect_of_the_library_changes_what_the_ecu_reads() {
     let run = run_with(None);
     let nominal = PlantParameters::nominal();
     let plain = inputs(&run, nominal.clone());
-    // An effect of on/off valves does not act on this plant.
+    // An effect of on/off valves does not act on this plant, and an actuator rests in the loop.
     let settings = LIBRARY.iter().flat_map(|effect| nominal.forms_of(*effect));
+    let settings = settings.filter(|setting| setting.driven_by() != Some("x_actuator"));
     for setting in settings {
         let with = inputs(&run, nominal.with_effect(setting.clone()));
         let is_different = |(plain, with): (&Sensors, &Sensors)| {

@@ -82,6 +82,16 @@ pub enum DiagnoseError {
         /// Existing forms.
         forms: String,
     },
+    /// No log has the signal without which the effect does nothing.
+    #[error(
+        "`{id}` follows `{signal}`, which no log has: log it, or map its column to `{signal}`; `retarder inspect LOG` lists the columns"
+    )]
+    NotDriven {
+        /// Id of the effect.
+        id: &'static str,
+        /// Missing signal.
+        signal: &'static str,
+    },
     /// The effect cannot be fitted to the logs.
     #[error(
         "`{id}` gains nothing on these logs at any size, so that there is nothing to tell it from; use `--for {id}`"

@@ -106,7 +106,7 @@ pub(super) fn refine(
     }
     let forms = add
         .iter()
-        .map(|(id, variant)| forms(plant, id, variant.as_deref()))
+        .map(|(id, variant)| driven(forms(plant, id, variant.as_deref())?, logs))
         .collect::<Result<Vec<_>, _>>()?;
     let without = add
         .iter()
@@ -235,6 +235,23 @@ fn forms(
         }
     })?;
     Ok(vec![EffectSetting::typical_variant(effect, form)])
+}
+
+/// Returns the forms whose driving signal a log has.
+fn driven(
+    mut forms: Vec<EffectSetting>,
+    logs: &[Recording],
+) -> Result<Vec<EffectSetting>, DiagnoseError> {
+    let is_logged = |signal: &str| logs.iter().any(|log| log.mentions(signal));
+    let undriven = |form: &EffectSetting| form.driven_by().filter(|signal| !is_logged(signal));
+    let missing = forms
+        .iter()
+        .find_map(|form| Some((form.id(), undriven(form)?)));
+    forms.retain(|form| undriven(form).is_none());
+    match missing {
+        Some((id, signal)) if forms.is_empty() => Err(DiagnoseError::NotDriven { id, signal }),
+        _ => Ok(forms),
+    }
 }
 
 fn fitted_effect(

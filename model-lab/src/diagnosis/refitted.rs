@@ -81,11 +81,11 @@ impl<'a> Refitted<'a> {
             mut split,
             plain,
         } = self;
-        // An effect of a part that the plant lacks has no form.
+        // An effect of a part that the plant lacks, or of a signal that no log has, has no form.
         let library: Vec<&'static dyn Effect> = library
             .iter()
             .copied()
-            .filter(|&effect| !plant.forms_of(effect).is_empty())
+            .filter(|&effect| !split.bench(&plant, library).forms_of(effect).is_empty())
             .collect();
         let mut found = match extent {
             Extent::All => found::find(&mut split, &plant, &library, plain, watch)?,

@@ -149,6 +149,12 @@ impl EffectSetting {
         self.variant.parameters
     }
 
+    /// Returns the signal of a log without which a parameter has no effect.
+    pub fn driven_by(&self) -> Option<&'static str> {
+        let mut sizes = self.parameters().iter().filter_map(|spec| spec.size);
+        sizes.find_map(|size| size.driven_by)
+    }
+
     /// Returns the values, in the order of [`Self::parameters`].
     pub fn values(&self) -> &[f64] {
         &self.values

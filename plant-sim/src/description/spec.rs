@@ -30,6 +30,8 @@ pub struct Size {
     pub scale: Scale,
     /// Value at which the effect vanishes: 0, or infinite; `None` for a parameter of form.
     pub off: Option<f64>,
+    /// Signal of a log without which the parameter has no effect.
+    pub driven_by: Option<&'static str>,
 }
 
 impl Size {
@@ -39,6 +41,7 @@ impl Size {
             typical,
             scale: Scale::Log,
             off: Some(0.0),
+            driven_by: None,
         }
     }
 }
@@ -90,10 +93,10 @@ impl ParameterSpec {
     }
 }
 
-/// Defines the parameters of an effect: `NAME = key [unit] least ..= most, Scale typical, off value, meaning;`
+/// Defines the parameters of an effect: `NAME = key [unit] least ..= most, Scale typical, off value, driven_by signal, meaning;`
 macro_rules! effect_parameters {
     ($section:literal: $($name:ident = $key:ident [$unit:literal] $min:literal ..= $max:literal,
-        $scale:ident $typical:literal, $(off $off:expr,)? $about:literal;)*) => {
+        $scale:ident $typical:literal, $(off $off:expr,)? $(driven_by $signal:literal,)? $about:literal;)*) => {
         $(static $name: $crate::description::ParameterSpec = $crate::description::ParameterSpec::of_effect(
             $section,
             stringify!($key),
@@ -102,12 +105,13 @@ macro_rules! effect_parameters {
             $crate::description::Size {
                 typical: $typical,
                 scale: $crate::description::Scale::$scale,
-                off: effect_parameters!(@off $($off)?),
+                off: effect_parameters!(@option $($off)?),
+                driven_by: effect_parameters!(@option $($signal)?),
             },
             $about,
         );)*
     };
-    (@off) => { None };
-    (@off $off:expr) => { Some($off) };
+    (@option) => { None };
+    (@option $value:expr) => { Some($value) };
 }
 pub(crate) use effect_parameters;

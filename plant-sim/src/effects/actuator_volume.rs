@@ -7,7 +7,7 @@ use crate::description::{
 use crate::plant::Plant;
 
 effect_parameters! { "effects.actuator_volume":
-    AREA = area_m2 ["m2"] -1.0 ..= 1.0, Linear 5e-4, off 0.0,
+    AREA = area_m2 ["m2"] -1.0 ..= 1.0, Linear 5e-4, off 0.0, driven_by "x_actuator",
         "area of the actuator on the side of the chamber; negative if the chamber shrinks as x_actuator grows (E74)";
 }
 

@@ -9,7 +9,7 @@ use crate::plant::Plant;
 effect_parameters! { "effects.switching_delay":
     SHARE = pressure_share [""] -2.0 ..= 0.9, Linear 0.2, off 0.0,
         "increase of the opening delay from no pressure difference to that of the supply, over its value there (E73)";
-    EXPONENT = voltage_exponent [""] 0.01 ..= 8.0, Log 1.5, off 0.0,
+    EXPONENT = voltage_exponent [""] 0.01 ..= 8.0, Log 1.5, off 0.0, driven_by "u_bat",
         "exponent by which the opening delay grows as the supply voltage falls (E73)";
 }
 

@@ -111,6 +111,7 @@ impl OwnEffect {
                     Scale::Linear
                 },
                 off: is_strength.then_some(0.0),
+                driven_by: None,
             };
             let about = parameter.about.as_deref().unwrap_or("of the user");
             let unit = parameter.unit.as_deref().unwrap_or_default();

@@ -60,7 +60,7 @@ const CURRENTS: [&str; 2] = ["i_fill", "i_vent"];
 /// Name of the pressure in a second chamber.
 const SECOND_PRESSURE: &str = "p_second";
 /// Name of the supply voltage.
-const SUPPLY_VOLTAGE: &str = "u_bat";
+pub const SUPPLY_VOLTAGE: &str = "u_bat";
 /// Number of median steps of the commands above which a pause hides commands: a row in it does not look ahead.
 const PAUSE_STEPS: f64 = 2.5;
 /// Ratio of two intervals up to which duty cycles count as logged at one rate.

@@ -17,7 +17,9 @@ mod surroundings;
 
 pub use actuator::ACTUATOR_POSITION;
 pub use error::ReplayError;
-pub use inputs::{Inputs, LONGEST_GAP_S, ReplayInput, check_gap, initial_pressure, inputs, united};
+pub use inputs::{
+    Inputs, LONGEST_GAP_S, ReplayInput, SUPPLY_VOLTAGE, check_gap, initial_pressure, inputs, united,
+};
 pub use names::{UnknownSignal, unknown_signals};
 pub use supply::{SUPPLY_PRESSURE, drives_supply, supply_bounds};
 pub use surroundings::{AMBIENT_PRESSURE, AMBIENT_TEMPERATURE, COIL_TEMPERATURE, Surroundings};

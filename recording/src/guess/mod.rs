@@ -35,6 +35,7 @@ const SIGNALS: &[(&str, Meaning, &[Meaning])] = &[
     ("t_gas", M::Temperature, &[M::Gas, M::Chamber]),
     ("x_fill", M::Position, &[M::Fill, M::Inlet]),
     ("x_vent", M::Position, &[M::Vent]),
+    ("x_actuator", M::Position, &[M::Actuator]),
 ];
 
 /// Highest numbers of counters of PWM hardware, each of which is 100 %.

@@ -25,6 +25,7 @@ pub(super) enum Meaning {
     Gas,
     Coil,
     Battery,
+    Actuator,
     /// A signal that the model does not have.
     Other,
 }
@@ -41,6 +42,7 @@ pub(super) const WORDS: &[(&str, Meaning)] = &[
     ("voltage", M::Voltage), ("spannung", M::Voltage), ("u", M::Voltage),
     ("temperature", M::Temperature), ("temperatur", M::Temperature), ("temp", M::Temperature),
     ("position", M::Position), ("stroke", M::Position), ("lift", M::Position), ("hub", M::Position), ("x", M::Position),
+    ("travel", M::Position), ("displacement", M::Position), ("weg", M::Position),
     ("valve", M::Valve), ("ventil", M::Valve), ("solenoid", M::Valve), ("mv", M::Valve),
     ("v", M::Valve),
     ("fill", M::Fill), ("filling", M::Fill), ("fuell", M::Fill), ("befuellung", M::Fill), ("belueft", M::Fill),
@@ -55,6 +57,8 @@ pub(super) const WORDS: &[(&str, Meaning)] = &[
     ("target", M::Reference), ("desired", M::Reference),
     ("gas", M::Gas), ("coil", M::Coil), ("spule", M::Coil),
     ("battery", M::Battery), ("batterie", M::Battery), ("bat", M::Battery), ("ubat", M::Battery), ("bord", M::Battery),
+    ("actuator", M::Actuator), ("aktor", M::Actuator), ("piston", M::Actuator), ("kolben", M::Actuator),
+    ("cylinder", M::Actuator), ("zylinder", M::Actuator),
     ("flow", M::Other), ("durchfluss", M::Other), ("volumenstrom", M::Other), ("massenstrom", M::Other),
     ("oil", M::Other), ("oel", M::Other), ("oeldruck", M::Other), ("torque", M::Other), ("moment", M::Other), ("speed", M::Other),
     ("drehzahl", M::Other), ("frequency", M::Other), ("frequenz", M::Other),

@@ -63,7 +63,7 @@ export const count = (value) => value.toLocaleString("en").replaceAll(",", "\u20
 const WORDS = new Map([
   ["p_ch", "chamber pressure"], ["i_fill", "current of the fill coil"], ["i_vent", "current of the vent coil"],
   ["duty_fill", "duty cycle of the fill valve"], ["duty_vent", "duty cycle of the vent valve"], ["u_bat", "supply voltage"],
-  ["x_fill", "stroke of the fill valve"], ["x_vent", "stroke of the vent valve"], ["x_plunger", "stroke of the plunger"], ["t_gas", "gas temperature"],
+  ["x_fill", "stroke of the fill valve"], ["x_vent", "stroke of the vent valve"], ["x_plunger", "stroke of the plunger"], ["x_actuator", "position of the actuator"], ["t_gas", "gas temperature"],
 ]);
 
 /** Returns the label of a signal: words and name, or the name alone. */

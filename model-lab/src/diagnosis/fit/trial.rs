@@ -111,6 +111,19 @@ impl Bench<'_> {
         self.fitted_from(self.plant.effects.clone(), there)
     }
 
+    /// Returns the forms of `effect` that act on the plant, and of which the logs show what drives them.
+    pub(crate) fn forms_of(&self, effect: &'static dyn Effect) -> Vec<EffectSetting> {
+        let is_driven = |signal: &str| {
+            let logs = self.fitting.logs.iter();
+            let mut values = logs.flat_map(|log| log.driving_values(signal));
+            let first = values.next();
+            values.any(|value| Some(value) != first)
+        };
+        let mut forms = self.plant.forms_of(effect);
+        forms.retain(|form| form.driven_by().is_none_or(is_driven));
+        forms
+    }
+
     /// Returns the plant with `effects`, with a fit that begins at the parameters of `there` and the present clocks.
     pub(crate) fn fitted_from(
         &self,

@@ -178,7 +178,7 @@ mod tests {
             .collect();
         let bench = split.bench(&plant, &library);
         let on = |base: &Trial, id: &str| {
-            best_form(&bench, base, plant.forms_of(by_id(id).unwrap())).unwrap()
+            best_form(&bench, base, bench.forms_of(by_id(id).unwrap())).unwrap()
         };
         let first = on(&plain, unnecessary);
         let second = on(&first, leak);

@@ -494,7 +494,7 @@ mod tests {
         let bench = split.bench(&plant, &library);
         let [leak, lag] = effects
             .each_ref()
-            .map(|effect| bench.plant.forms_of(effect.effect()));
+            .map(|effect| bench.forms_of(effect.effect()));
         let alone = best_form(&bench, &plain, leak).unwrap();
         let nearest = best_form(&bench, &alone, lag).unwrap();
         // A sample of the ECU late in every second half second.

@@ -116,7 +116,7 @@ pub(crate) fn try_all(
     let forms = effects
         .iter()
         .flat_map(|&effect| {
-            let forms = bench.plant.forms_of(effect);
+            let forms = bench.forms_of(effect);
             let count = if effort == Effort::Glance {
                 1
             } else {

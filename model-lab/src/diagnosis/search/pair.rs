@@ -73,7 +73,7 @@ fn in_best_form(bench: &Bench, base: &Trial, singles: &[Tried], trial: Trial) ->
         return Some(trial);
     }
     let effect = trial.effects.last()?.effect();
-    let best = best_form(bench, base, bench.plant.forms_of(effect));
+    let best = best_form(bench, base, bench.forms_of(effect));
     best.filter(|best| best.is_preferred_to(&trial))
         .or(Some(trial))
 }
@@ -221,7 +221,7 @@ impl Pair {
 /// Returns the forms of the last effect of `trial`, where `is_asked` accepts whether a form is the present one.
 fn forms_of(bench: &Bench, trial: &Trial, is_asked: impl Fn(bool) -> bool) -> Vec<EffectSetting> {
     let present = trial.effects.last().expect("one effect was added");
-    let mut forms = bench.plant.forms_of(present.effect());
+    let mut forms = bench.forms_of(present.effect());
     forms.retain(|form| is_asked(form.variant().name == present.variant().name));
     forms
 }

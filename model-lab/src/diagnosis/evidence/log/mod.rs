@@ -7,7 +7,10 @@ use std::sync::Arc;
 
 use plant_sim::logger_clock::LoggerClock;
 use plant_sim::parameters::Part;
-use plant_sim::replay::{CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, Surroundings};
+use plant_sim::replay::{
+    ACTUATOR_POSITION, CurrentSampling, ROW_SIGNALS, Replay, ReplayInput, Row, SUPPLY_VOLTAGE,
+    Surroundings,
+};
 use plant_sim::{PlantParameters, Tolerance};
 use recording::{Recording, own_rows};
 
@@ -319,6 +322,16 @@ impl Log {
     /// Returns whether its supply pressure was logged and drives the model.
     pub(crate) fn drives_supply(&self) -> bool {
         self.start.supply_pressure.is_some()
+    }
+
+    /// Returns the logged values of an input that drives an effect.
+    pub(crate) fn driving_values(&self, signal: &str) -> Vec<f64> {
+        let value = |input: &ReplayInput| match signal {
+            ACTUATOR_POSITION => input.actuator_position,
+            SUPPLY_VOLTAGE => input.supply_voltage_v,
+            _ => None,
+        };
+        self.inputs.iter().filter_map(value).collect()
     }
 
     /// Returns whether its rows do not determine the sample of the ECU at which a command was given.
