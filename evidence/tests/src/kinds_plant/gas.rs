@@ -1,7 +1,7 @@
 //! Mass and energy of the gas in supply line and chambers.
 //!
 //! dm/dt = Σ ṁ,  dU/dt = Σ ṁ h - Q - p dV/dt,  p V = (k - 1) U,  T = U/(m c_v).
-//! In the plain plant, Q keeps the gas at the temperature of the walls.
+//! V is that of the walls with the present position of the actuator. In the plain plant, Q keeps the gas at the temperature of the walls.
 
 use super::hose::Walls;
 use super::orifice::{GAS_CONSTANT, HEAT_CAPACITY_RATIO, Orifice};
@@ -60,9 +60,9 @@ impl GasPath {
             start_pa,
             ambient_pa,
             temperature_k,
-            chamber_m3,
             ..
         } = self.rig;
+        let chamber_m3 = self.first_m3(0.0);
         let mass = |pressure: f64, volume: f64| pressure * volume / (GAS_CONSTANT * temperature_k);
         let (volume, _) = self.rig.walls.volume(chamber_m3, ambient_pa, start_pa);
         let volumes = [volume, self.line.map_or(0.0, |(_, volume)| volume)];
@@ -78,12 +78,18 @@ impl GasPath {
         state
     }
 
-    pub(super) fn conditions(&self, state: &State) -> Conditions {
+    /// Returns the volume of the first chamber at ambient pressure and at a time (s).
+    fn first_m3(&self, time_s: f64) -> f64 {
+        let rig = &self.rig;
+        rig.chamber_m3 + rig.hidden.actuator_area_m2 * rig.actuator.at(time_s)
+    }
+
+    /// Returns the conditions of a state at a time (s).
+    pub(super) fn conditions(&self, state: &State, time_s: f64) -> Conditions {
         let KindRig {
             supply_pa,
             ambient_pa,
             temperature_k,
-            chamber_m3,
             walls,
             ..
         } = self.rig;
@@ -93,7 +99,7 @@ impl GasPath {
             let pressure = walls.pressure(volume, ambient_pa, product, product / volume);
             (pressure, energy / (mass * HEAT_CAPACITY))
         };
-        let first = at(0, chamber_m3, walls);
+        let first = at(0, self.first_m3(time_s), walls);
         let inlet = self.supply_line.map_or(supply_pa, |(_, volume)| {
             state[LINE] * GAS_CONSTANT * temperature_k / volume
         });
@@ -107,14 +113,15 @@ impl GasPath {
         }
     }
 
-    /// Returns the rates of all masses, energies and lagged pressures with these open shares of the valves.
+    /// Returns the rates of all masses, energies and lagged pressures at a time (s) with these open shares of the valves.
     pub(super) fn rates(
         &self,
         state: &State,
+        time_s: f64,
         valves: [&Orifice; 2],
         open_shares: [f64; 2],
     ) -> State {
-        let Conditions { inlet, chambers } = self.conditions(state);
+        let Conditions { inlet, chambers } = self.conditions(state, time_s);
         let outside = (self.rig.ambient_pa, self.rig.temperature_k);
         let mut rate = [0.0; 7];
         let mut flow = |from: Option<usize>, to: Option<usize>, flow: f64, warmth: [f64; 2]| {
@@ -144,7 +151,7 @@ impl GasPath {
             let source = (self.rig.supply_pa, self.rig.temperature_k);
             rate[LINE] = restriction.flow(1.0, source, inlet) - inflow;
         }
-        self.warmth_rates(&chambers, &mut rate);
+        self.warmth_rates(time_s, &chambers, &mut rate);
         for (chamber, at) in chambers.iter().enumerate() {
             let sensor = &self.rig.hidden.sensor;
             rate[LAGGED[chamber]] = sensor.rate(at.0, state[LAGGED[chamber]]);
@@ -152,8 +159,8 @@ impl GasPath {
         rate
     }
 
-    /// Takes heat to the walls and work on a hose from the rates of the energies, which are those of the enthalpies.
-    fn warmth_rates(&self, chambers: &[Condition; 2], rate: &mut State) {
+    /// Takes heat to the walls and work on walls that move from the rates of the energies, which are those of the enthalpies.
+    fn warmth_rates(&self, time_s: f64, chambers: &[Condition; 2], rate: &mut State) {
         let temperature_k = self.rig.temperature_k;
         let Some(transfers) = self.rig.hidden.heat_w_per_k else {
             for chamber in [0, 1] {
@@ -164,17 +171,16 @@ impl GasPath {
         for chamber in [0, 1] {
             rate[ENERGY[chamber]] -= transfers[chamber] * (chambers[chamber].1 - temperature_k);
         }
-        // p dV/dt from p V = (k - 1) U with V(p), solved for dp/dt.
+        // p dV/dt from p V = (k - 1) U with V(p, t), solved for dp/dt.
         let (pressure, _) = chambers[0];
-        let KindRig {
-            ambient_pa,
-            chamber_m3,
-            walls,
-            ..
-        } = self.rig;
-        let (volume, slope) = walls.volume(chamber_m3, ambient_pa, pressure);
-        let pressure_rate = (HEAT_CAPACITY_RATIO - 1.0) * rate[ENERGY[0]]
+        let rig = &self.rig;
+        let (volume, slope) = rig
+            .walls
+            .volume(self.first_m3(time_s), rig.ambient_pa, pressure);
+        let widening = rig.hidden.actuator_area_m2 * rig.actuator.rate(time_s);
+        let pressure_rate = ((HEAT_CAPACITY_RATIO - 1.0) * rate[ENERGY[0]]
+            - HEAT_CAPACITY_RATIO * pressure * widening)
             / (volume + HEAT_CAPACITY_RATIO * pressure * slope);
-        rate[ENERGY[0]] -= pressure * slope * pressure_rate;
+        rate[ENERGY[0]] -= pressure * (slope * pressure_rate + widening);
     }
 }

@@ -1,5 +1,6 @@
 //! Effects that a rig hides.
 
+use super::inputs::NOMINAL_V;
 use super::orifice::Conductance;
 use super::sensor::SensorErrors;
 
@@ -14,6 +15,8 @@ pub struct HiddenEffects {
     pub supply_line: Option<SupplyLine>,
     /// Current that moves the armatures of the on/off valves. Without it, their delays are those of any pressure.
     pub pull_in: Option<PullIn>,
+    /// Area with which the actuator enlarges the first chamber (m²). Without it, the actuator is outside of the chamber.
+    pub actuator_area_m2: f64,
     /// Errors of the pressure sensors.
     pub sensor: SensorErrors,
 }
@@ -28,12 +31,14 @@ pub struct PullIn {
 }
 
 impl PullIn {
-    /// Returns the opening delay over that with the supply pressure across the valve, at a pressure difference over the supply pressure.
-    /// The force of the magnet grows with the square of the current, which rises exponentially to its final value.
-    pub fn delay(&self, difference: f64) -> f64 {
+    /// Returns the opening delay over that with the supply pressure across the valve at the nominal voltage, at a pressure difference over
+    /// the supply pressure and a voltage (V). The force of the magnet grows with the square of the current, which rises exponentially to
+    /// its final value.
+    pub fn delay(&self, difference: f64, volt: f64) -> f64 {
         let force = 1.0 + self.pressure_force * (difference - 1.0);
-        let time = |current: f64| -(1.0 - current).ln();
-        time((self.current * force.max(0.0).sqrt()).min(0.999)) / time(self.current)
+        let time = |current: f64| -(1.0 - current.min(0.999)).ln();
+        let current = self.current * NOMINAL_V / volt;
+        time(current * force.max(0.0).sqrt()) / time(self.current)
     }
 }
 

@@ -8,7 +8,8 @@
 //! | gas | mass and internal energy | pressure |
 //! | hose | pressure from the energy by Newton's method | derivative of the volume |
 //! | proportional valve | lag of the spool, before the characteristic | lag of the open share, behind it |
-//! | opening delay with the pressure | a coil that charges up to the force balance | straight line |
+//! | opening delay with pressure and voltage | a coil that charges up to the force balance | straight line, power |
+//! | actuator | position as a function of the time | constant velocity from row to row |
 //! | heat of the second chamber | a value of its own | by the area of the wall |
 //! | solution | Runge-Kutta of order 4, fixed steps, restarted where a valve switches | event-driven, adaptive |
 //!
@@ -17,6 +18,7 @@
 mod gas;
 mod hidden;
 mod hose;
+mod inputs;
 mod on_off_valve;
 mod orifice;
 mod plant;
@@ -29,6 +31,7 @@ mod valve;
 
 pub use hidden::{HiddenEffects, PullIn, SupplyLine};
 pub use hose::Walls;
+pub use inputs::{Course, NOMINAL_V};
 pub use on_off_valve::SwitchingTimes;
 pub use orifice::Conductance;
 pub use plant::{KindPlant, KindReading};

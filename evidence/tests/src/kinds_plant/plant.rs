@@ -14,6 +14,10 @@ pub struct KindReading {
     pub chambers_pa: [f64; 2],
     /// Pressure at the inlet of the fill valve.
     pub inlet_pa: f64,
+    /// Position of the actuator (m).
+    pub position_m: f64,
+    /// Supply voltage (V).
+    pub volt: f64,
 }
 
 /// Plant of a rig.
@@ -75,19 +79,20 @@ impl KindPlant {
             ambient_pa,
             ..
         } = self.rig;
-        let (chamber_pa, _) = self.gas.conditions(&self.state).chambers[0];
+        let (chamber_pa, _) = self.gas.conditions(&self.state, self.time_s).chambers[0];
         let differences = [supply_pa - chamber_pa, chamber_pa - ambient_pa];
         for (valve, difference_pa) in self.valves.iter_mut().zip(differences) {
             let pull_in = self.rig.hidden.pull_in.as_ref();
             let share = difference_pa / (supply_pa - ambient_pa);
-            let opening = pull_in.map_or(1.0, |pull_in| pull_in.delay(share));
+            let volt = self.rig.voltage.at(self.time_s);
+            let opening = pull_in.map_or(1.0, |pull_in| pull_in.delay(share, volt));
             valve.pass(self.time_s, opening);
         }
     }
 
     /// Returns the readings at the present time.
     pub fn reading(&self) -> KindReading {
-        let Conditions { inlet, chambers } = self.gas.conditions(&self.state);
+        let Conditions { inlet, chambers } = self.gas.conditions(&self.state, self.time_s);
         let sensor = &self.rig.hidden.sensor;
         let shown = |chamber: usize| {
             let lagged = self.state[LAGGED[chamber]];
@@ -96,6 +101,8 @@ impl KindPlant {
         KindReading {
             chambers_pa: [shown(0), shown(usize::from(self.rig.second.is_some()))],
             inlet_pa: inlet.0,
+            position_m: self.rig.actuator.at(self.time_s),
+            volt: self.rig.voltage.at(self.time_s),
         }
     }
 
@@ -118,10 +125,16 @@ impl KindPlant {
             std::array::from_fn(|n| state[n] + by_s * rate[n])
         };
         let [begin, middle, end] = [0.0, 0.5 * step_s, step_s].map(shares);
-        let a = self.gas.rates(state, orifices, begin);
-        let b = self.gas.rates(&moved(&a, 0.5 * step_s), orifices, middle);
-        let c = self.gas.rates(&moved(&b, 0.5 * step_s), orifices, middle);
-        let d = self.gas.rates(&moved(&c, step_s), orifices, end);
+        let [at_begin_s, at_middle_s, at_end_s] =
+            [0.0, 0.5, 1.0].map(|share| time_s + share * step_s);
+        let a = self.gas.rates(state, at_begin_s, orifices, begin);
+        let b = self
+            .gas
+            .rates(&moved(&a, 0.5 * step_s), at_middle_s, orifices, middle);
+        let c = self
+            .gas
+            .rates(&moved(&b, 0.5 * step_s), at_middle_s, orifices, middle);
+        let d = self.gas.rates(&moved(&c, step_s), at_end_s, orifices, end);
         let sum: State = std::array::from_fn(|n| a[n] + 2.0 * (b[n] + c[n]) + d[n]);
         self.state = moved(&sum, step_s / 6.0);
     }

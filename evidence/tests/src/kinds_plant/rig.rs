@@ -2,6 +2,7 @@
 
 use super::hidden::HiddenEffects;
 use super::hose::Walls;
+use super::inputs::Course;
 use super::orifice::Conductance;
 use super::valve::Drive;
 
@@ -28,6 +29,10 @@ pub struct KindRig {
     pub second: Option<SecondChamber>,
     /// Fill valve and vent valve, both at the first chamber.
     pub valves: [ValvePart; 2],
+    /// Position of an actuator (m).
+    pub actuator: Course,
+    /// Supply voltage (V).
+    pub voltage: Course,
     /// Hidden effects.
     pub hidden: HiddenEffects,
 }

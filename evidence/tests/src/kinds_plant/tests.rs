@@ -37,6 +37,8 @@ fn rig() -> KindRig {
         walls: Walls::Rigid,
         second: None,
         valves: [valve; 2],
+        actuator: Course::constant(0.0),
+        voltage: Course::constant(NOMINAL_V),
         hidden: HiddenEffects::default(),
     }
 }
@@ -83,7 +85,9 @@ fn a_valve_without_a_pressure_difference_opens_earlier() {
         pressure_force: 0.5,
     };
     let expected = (1.0 - 0.6 / 2_f64.sqrt()).ln() / 0.4_f64.ln();
-    assert!((pull_in.delay(0.0) - expected).abs() < 1e-12);
+    assert!((pull_in.delay(0.0, NOMINAL_V) - expected).abs() < 1e-12);
+    let at_18_v = (1.0 - 0.6_f64 * 24.0 / 18.0).ln() / 0.4_f64.ln();
+    assert!((pull_in.delay(1.0, 18.0) - at_18_v).abs() < 1e-12);
     let mut rig = rig();
     let [_, plain] = filled(&rig);
     rig.start_pa = 0.5 * (rig.supply_pa + rig.ambient_pa);
@@ -91,7 +95,7 @@ fn a_valve_without_a_pressure_difference_opens_earlier() {
     rig.hidden.pull_in = Some(pull_in);
     let [_, earlier] = filled(&rig);
     let rate = choked(0.6, rig.supply_pa) * GAS_CONSTANT * TEMPERATURE_K / rig.chamber_m3;
-    let expected = half_full + rate * 6e-3 * (1.0 - pull_in.delay(0.5));
+    let expected = half_full + rate * 6e-3 * (1.0 - pull_in.delay(0.5, NOMINAL_V));
     assert!(
         earlier > half_full && earlier < expected,
         "{earlier} {expected}"
@@ -190,6 +194,38 @@ fn a_choked_leak_decays_with_its_time_constant_at_the_far_end() {
     assert!(first > second + 100.0, "{first} {second}");
 }
 
+/// Actuator that swings by 75 mm around 100 mm.
+const SWING: Course = Course {
+    mean: 0.1,
+    amplitudes: [0.05, 0.025],
+    periods_s: [1.7, 0.6],
+};
+
+/// Boyle, and Poisson without heat: p V and p V^k are those of the beginning.
+#[test]
+fn the_gas_of_a_closed_chamber_follows_the_actuator() {
+    for (heat_w_per_k, exponent) in [(None, 1.0), (Some([0.0; 2]), HEAT_CAPACITY_RATIO)] {
+        let mut rig = rig();
+        rig.actuator = SWING;
+        rig.hidden.actuator_area_m2 = 2e-3;
+        rig.hidden.heat_w_per_k = heat_w_per_k;
+        rig.start_pa = 3e5;
+        let mut plant = KindPlant::new(&rig);
+        for end_s in [0.3, 0.9, 2.0] {
+            plant.run_until(end_s);
+            let reading = plant.reading();
+            let volume = |position_m: f64| 500e-6 + 2e-3 * position_m;
+            let ratio: f64 = volume(rig.actuator.at(0.0)) / volume(reading.position_m);
+            let expected = 3e5 * ratio.powf(exponent);
+            let found = reading.chambers_pa[0];
+            assert!(
+                (found - expected).abs() < 0.1,
+                "{end_s}: {found} {expected}"
+            );
+        }
+    }
+}
+
 /// Two choked openings in series pass the same flow at pressures by the inverse of their conductances.
 #[test]
 fn the_supply_droops_until_its_line_passes_the_flow_of_the_valve() {
@@ -225,6 +261,11 @@ fn a_half_as_long_step_changes_the_pressure_by_less_than_a_tenth_of_a_millibar()
         quarter_shares: [0.2, 0.45, 0.72],
         time_constant_s: 10e-3,
     });
+    rig.actuator = SWING;
+    rig.voltage = Course {
+        mean: 23.0,
+        ..SWING
+    };
     rig.hidden = HiddenEffects {
         leak: Some(conductance(0.005, 0.4)),
         heat_w_per_k: Some([1.0, 0.7]),
@@ -236,6 +277,7 @@ fn a_half_as_long_step_changes_the_pressure_by_less_than_a_tenth_of_a_millibar()
             current: 0.6,
             pressure_force: 0.5,
         }),
+        actuator_area_m2: 1e-3,
         sensor: SensorErrors {
             offset_pa: 3e3,
             drift_pa: 5e3,

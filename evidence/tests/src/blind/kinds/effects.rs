@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::field::logarithmic;
 use crate::chance::Chance;
-use crate::kinds_plant::{Conductance, Drive, KindRig, PullIn, SupplyLine};
+use crate::kinds_plant::{Conductance, Course, Drive, KindRig, NOMINAL_V, PullIn, SupplyLine};
 
 /// Shares of the rigs with no hidden effect and with one; the others have two.
 const NONE: f64 = 0.25;
@@ -25,6 +25,15 @@ const LINE_M3: [f64; 2] = [50e-6, 300e-6];
 /// Share of the final current at which a valve moves, and share of the pressure in the force.
 const PULL_IN: [f64; 2] = [0.4, 0.8];
 const PRESSURE_FORCE: [f64; 2] = [0.2, 0.7];
+/// Share of these rigs whose supply voltage swings, and two voltages (V) between which the exponent of the delay is that of the answer.
+const VOLTAGE_SWINGS: f64 = 0.5;
+const VOLTAGES_V: [f64; 2] = [21.0, 27.0];
+/// Largest volume that an actuator sweeps, over that of the first chamber, and its travel (m).
+const SWEPT: [f64; 2] = [0.03, 0.25];
+const TRAVEL_M: [f64; 2] = [10e-3, 80e-3];
+/// Periods of the swings (s) of an actuator and of a voltage.
+const ACTUATOR_S: [[f64; 2]; 2] = [[3.0, 9.0], [0.8, 2.5]];
+const VOLTAGE_S: [[f64; 2]; 2] = [[15.0, 40.0], [3.0, 9.0]];
 /// Offset and drift of a sensor (Pa), its warm-up (s), and its lag (s).
 const OFFSET_PA: [f64; 2] = [3e3, 15e3];
 const DRIFT_PA: [f64; 2] = [5e3, 20e3];
@@ -41,11 +50,12 @@ pub(super) enum Effect {
     SensorDrift,
     SensorLag,
     PullIn,
+    Actuator,
 }
 
 impl Effect {
     /// Effects to draw from; every id of the library is as likely.
-    const DRAWN: [Self; 12] = [
+    const DRAWN: [Self; 14] = [
         Self::Leak,
         Self::Leak,
         Self::Heat,
@@ -58,6 +68,8 @@ impl Effect {
         Self::SensorDrift,
         Self::PullIn,
         Self::PullIn,
+        Self::Actuator,
+        Self::Actuator,
     ];
 
     /// Returns the id in the library.
@@ -69,6 +81,7 @@ impl Effect {
             Self::SensorOffset | Self::SensorDrift => "sensor_offset",
             Self::SensorLag => "sensor_lag",
             Self::PullIn => "switching_delay",
+            Self::Actuator => "actuator_volume",
         }
     }
 
@@ -123,6 +136,18 @@ impl Effect {
                     current: between(PULL_IN, chance),
                     pressure_force: between(PRESSURE_FORCE, chance),
                 });
+                if chance.happens(VOLTAGE_SWINGS) {
+                    rig.voltage = voltage(chance);
+                }
+            }
+            Self::Actuator => {
+                rig.actuator = actuator(chance);
+                let most_m3 = chamber_m3 * between(SWEPT, chance);
+                hidden.actuator_area_m2 = most_m3 / (2.0 * rig.actuator.mean);
+                if chance.happens(0.5) {
+                    // The chamber shrinks from its volume at position 0.
+                    hidden.actuator_area_m2 *= -1.0;
+                }
             }
         }
     }
@@ -139,6 +164,7 @@ impl Effect {
             Self::SensorDrift => hidden.sensor.drift_pa = 0.0,
             Self::SensorLag => hidden.sensor.lag_s = 0.0,
             Self::PullIn => hidden.pull_in = None,
+            Self::Actuator => hidden.actuator_area_m2 = 0.0,
         }
         rig
     }
@@ -170,12 +196,41 @@ impl Effect {
             ],
             Self::SensorLag => vec![("time_constant_s", sensor.lag_s)],
             Self::PullIn => {
-                let alone = hidden.pull_in.map_or(1.0, |pull_in| pull_in.delay(0.0));
-                vec![("pressure_share", 1.0 - alone)]
+                let delay = |difference: f64, volt: f64| {
+                    let pull_in = hidden.pull_in.as_ref();
+                    pull_in.map_or(1.0, |pull_in| pull_in.delay(difference, volt))
+                };
+                let mut values = vec![("pressure_share", 1.0 - delay(0.0, NOMINAL_V))];
+                if rig.voltage != Course::constant(NOMINAL_V) {
+                    let [low, high] = VOLTAGES_V.map(|volt| delay(1.0, volt).ln());
+                    let apart = (VOLTAGES_V[1] / VOLTAGES_V[0]).ln();
+                    values.push(("voltage_exponent", (low - high) / apart));
+                }
+                values
             }
+            Self::Actuator => vec![("area_m2", hidden.actuator_area_m2)],
         };
         let named = values.into_iter();
         named.map(|(key, value)| (key.to_owned(), value)).collect()
+    }
+}
+
+/// Draws the motion of an actuator between position 0 and its travel.
+pub(super) fn actuator(chance: &mut Chance) -> Course {
+    let middle = 0.5 * chance.between(TRAVEL_M[0], TRAVEL_M[1]);
+    Course {
+        mean: middle,
+        amplitudes: [0.7 * middle, 0.3 * middle],
+        periods_s: ACTUATOR_S.map(|[low, high]| chance.between(low, high)),
+    }
+}
+
+/// Draws a supply voltage that swings between 20 and 28 V.
+pub(super) fn voltage(chance: &mut Chance) -> Course {
+    Course {
+        mean: NOMINAL_V,
+        amplitudes: [2.5, 1.5],
+        periods_s: VOLTAGE_S.map(|[low, high]| chance.between(low, high)),
     }
 }
 

@@ -101,6 +101,12 @@ pub struct KindLogger {
     pub supply_pressure: bool,
     /// Whether the valves are logged as states 0 and 1 instead of duty cycles.
     pub states: bool,
+    /// Whether the position of an actuator is logged.
+    #[serde(default)]
+    pub position: bool,
+    /// Whether the supply voltage is logged.
+    #[serde(default)]
+    pub voltage: bool,
     /// Chambers whose pressure is logged: 0 for the first, 1 for the second.
     pub chambers: Vec<usize>,
 }

@@ -14,6 +14,15 @@ const SUPPLY_BAR: Channel = Channel {
     step: 10e-3,
 };
 
+const POSITION_MM: Channel = Channel {
+    noise: 0.02,
+    step: 0.02,
+};
+const VOLTAGE_V: Channel = Channel {
+    noise: 0.02,
+    step: 0.02,
+};
+
 /// Row of a run: logged time (s), commands (%) that stand then, and readings without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row {
@@ -119,6 +128,13 @@ pub(super) fn csv(rig: &KindRig, logger: &KindLogger, rows: &[Row], chance: &mut
             let supply = (row.reading.inlet_pa - rig.ambient_pa) / PA_PER_BAR;
             _ = write!(text, ",{:.2}", SUPPLY_BAR.read(supply, 1.0, chance));
         }
+        let inputs = [
+            (logger.position, row.reading.position_m * 1e3, POSITION_MM),
+            (logger.voltage, row.reading.volt, VOLTAGE_V),
+        ];
+        for (_, value, channel) in inputs.into_iter().filter(|input| input.0) {
+            _ = write!(text, ",{:.3}", channel.read(value, 1.0, chance));
+        }
         text.push('\n');
     }
     text
@@ -139,6 +155,12 @@ fn header(rig: &KindRig, logger: &KindLogger) -> String {
     }
     if logger.supply_pressure {
         text += ",p_sup_bar_gauge";
+    }
+    if logger.position {
+        text += ",x_actuator_mm";
+    }
+    if logger.voltage {
+        text += ",u_bat_V";
     }
     text + "\n"
 }

@@ -2,12 +2,12 @@
 
 use super::super::field::{gaps, logarithmic};
 use super::draw::Wishes;
-use super::effects::{Effect, hide};
+use super::effects::{Effect, actuator, hide, voltage};
 use super::format::{Kind, KindLogger};
 use crate::chance::Chance;
 use crate::kinds_plant::{
-    Characteristic, Conductance, Drive, HiddenEffects, KindRig, SecondChamber, SwitchingTimes,
-    ValvePart, Walls,
+    Characteristic, Conductance, Course, Drive, HiddenEffects, KindRig, NOMINAL_V, SecondChamber,
+    SwitchingTimes, ValvePart, Walls,
 };
 
 /// Supply pressure (Pa gauge), ambient pressure (Pa abs) and temperature (K).
@@ -58,6 +58,8 @@ const NOISE_BAR: [f64; 2] = [1e-3, 16e-3];
 /// Share of the loggers with absolute pressures, and of those with the supply pressure.
 const ABSOLUTE: f64 = 0.25;
 const SUPPLY_LOGGED: f64 = 0.3;
+/// Share of the rigs whose log has the position of an actuator that is outside of the chamber; the same for a voltage without influence.
+const IDLE_INPUT: f64 = 0.1;
 /// Range of the lengths of the id log and of the check log (s).
 const LENGTHS_S: [[f64; 2]; 2] = [[60.0, 90.0], [40.0, 50.0]];
 /// Length from which on a log has gaps (s): a shorter one has no room for three.
@@ -81,6 +83,16 @@ impl KindPlan {
         let effects = hide(&mut rig, wishes.effects, chance);
         // A gauge at the inlet of the fill valve would show the droop.
         logger.supply_pressure &= !effects.contains(&Effect::SupplyLine);
+        // A log may have inputs that change nothing.
+        if rig.actuator == Course::constant(0.0) && chance.happens(IDLE_INPUT) {
+            rig.actuator = actuator(chance);
+        }
+        let is_driven = rig.hidden.pull_in.is_some();
+        if !is_driven && chance.happens(IDLE_INPUT) {
+            rig.voltage = voltage(chance);
+        }
+        logger.position = rig.actuator != Course::constant(0.0);
+        logger.voltage = rig.voltage != Course::constant(NOMINAL_V);
         Self {
             kind,
             rig,
@@ -115,6 +127,8 @@ fn rig(kind: Kind, chance: &mut Chance) -> KindRig {
         walls: Walls::Rigid,
         second: None,
         valves,
+        actuator: Course::constant(0.0),
+        voltage: Course::constant(NOMINAL_V),
         hidden: HiddenEffects::default(),
     };
     match kind {
@@ -221,6 +235,8 @@ fn logger(kind: Kind, rig: &KindRig, wishes: &Wishes, chance: &mut Chance) -> Ki
         pressure_absolute: chance.happens(ABSOLUTE),
         supply_pressure: chance.happens(SUPPLY_LOGGED),
         states: chance.happens(STATES) && kind == Kind::OnOff,
+        position: false,
+        voltage: false,
         chambers: chambers.to_vec(),
     }
 }
@@ -263,6 +279,8 @@ mod tests {
             assert!(logger.gaps_s.iter().all(|gaps| gaps.len() <= 3));
             assert!((60.0..90.0).contains(&logger.lengths_s[0]));
             assert!(!(logger.supply_pressure && effects.contains(&Effect::SupplyLine)));
+            let has = |effect: Effect| effects.contains(&effect);
+            assert!(logger.position || !has(Effect::Actuator));
             assert!(rig.supply_pa > rig.start_pa && rig.chamber_m3 > 20e-6);
         }
     }
