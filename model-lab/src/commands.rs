@@ -43,6 +43,8 @@ pub(crate) struct Commands {
     early_s: f64,
     /// Time for which a command may remain in force after the next one took effect (s).
     pub(crate) pwm_period_s: f64,
+    /// Position of an actuator that may change the volume of the chamber (m), if logged.
+    pub(crate) actuator_position: Option<Arc<Vec<f64>>>,
     /// Gaps: times at which the log does not contain the command.
     pub(crate) gaps: Gaps,
 }
@@ -149,6 +151,7 @@ impl Commands {
                 _ => 0.0,
             },
             pwm_period_s: 1.0 / parameters.ecu.pwm_frequency_hz,
+            actuator_position: inputs.actuator_position(),
             gaps: Gaps::of(parameters, &inputs),
         })
     }
@@ -159,6 +162,7 @@ impl Commands {
         Self {
             times_s: at(&self.times_s),
             duty_pct: [FILL, VENT].map(|valve| at(&self.duty_pct[valve])),
+            actuator_position: self.actuator_position.as_ref().map(|all| at(all)),
             gaps: self.gaps.at_rows(rows),
             ..self.clone()
         }
@@ -259,6 +263,7 @@ mod tests {
             early_s: 0.0,
             pwm_period_s: 0.01,
             gaps: Gaps::default(),
+            actuator_position: None,
         }
     }
 

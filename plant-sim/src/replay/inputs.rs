@@ -297,6 +297,11 @@ impl<'a> Inputs<'a> {
         rows.find(|pressure| pressure.is_finite())
     }
 
+    /// Returns the position of the actuator at all rows (m), if logged.
+    pub fn actuator_position(&self) -> Option<Arc<Vec<f64>>> {
+        self.actuator_position.clone()
+    }
+
     /// Returns the common time base of the commands.
     pub fn base(&self) -> &'a TimeBase {
         self.base
