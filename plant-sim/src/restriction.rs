@@ -1,12 +1,7 @@
 //! Fixed restrictions: orifices and tubes in parallel or in series with a valve (E46).
 
-use crate::orifice::NozzleLaw;
+use crate::orifice::{LAMINAR_RATIO, NozzleLaw};
 use crate::solver::root::increasing_root;
-
-/// Ratio of downstream to upstream pressure above which the flow through a restriction between two volumes is linear in
-/// the pressure drop. The zone is a hundred times as wide as that of a valve. Both sides are nearly equal most of the
-/// time, and an orifice's slope there would give a time constant of microseconds, which no tube has.
-pub const LINEAR_RATIO: f64 = 0.99;
 
 /// Fixed orifice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,20 +21,64 @@ impl Restriction {
             effective_area: (square(self) + square(other)).sqrt().recip(),
         }
     }
+}
 
-    /// Returns the mass flow between two volumes (kg/s): the nozzle law, linear for nearly equal pressures.
+/// Restriction at the mouth of a volume, whose flow is linear for nearly equal pressures.
+///
+/// Both sides of it are nearly equal most of the time. With the slope of an orifice there, a small volume would follow in
+/// microseconds, which no tube lets it do. In a linear zone that is wider than necessary, a chamber follows too late.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mouth {
+    /// Discharge coefficient times area (m²).
+    pub effective_area: f64,
+    /// Ratio of downstream to upstream pressure above which the flow is linear in the pressure drop.
+    linear_ratio: f64,
+    /// Slope of the linear zone per (1 - ratio) (s/m).
+    linear_slope: f64,
+}
+
+/// Time constant (s) with which a volume comes to the pressure beyond its mouth in the linear zone, ...
+const LINEAR_S: f64 = 3e-3;
+/// ... unless the zone would be wider than this ratio. It is never narrower than that of a valve.
+const LEAST_LINEAR_RATIO: f64 = 0.99;
+
+impl Mouth {
+    /// Creates the mouth of a `volume` (m³) that gas of `gas` = R T (J/kg) passes by the law of `nozzle`.
+    pub(crate) fn new(effective_area: f64, volume: f64, nozzle: &NozzleLaw, gas: f64) -> Self {
+        // The flow over the square root of (1 - r) is constant for nearly equal pressures, so that the time constant over it
+        // is as well.
+        let flow = |ratio: f64| gas * effective_area * nozzle.flow_function(ratio);
+        let width = 1.0 - LEAST_LINEAR_RATIO;
+        let widest_s = volume * width / flow(LEAST_LINEAR_RATIO);
+        let width = width * (LINEAR_S / widest_s).powi(2).min(1.0);
+        let linear_ratio = (1.0 - width).min(LAMINAR_RATIO);
+        Self {
+            effective_area,
+            linear_ratio,
+            linear_slope: nozzle.flow_function(linear_ratio) / (1.0 - linear_ratio),
+        }
+    }
+
+    /// Returns the mass flow (kg/s) from `upstream` to `downstream` (Pa abs): the nozzle law, linear for nearly equal
+    /// pressures.
     #[inline]
     pub fn mass_flow(&self, nozzle: &NozzleLaw, upstream: f64, downstream: f64) -> f64 {
         if upstream < downstream {
             return -self.mass_flow(nozzle, downstream, upstream);
         }
         let ratio = downstream / upstream;
-        let factor = if ratio < LINEAR_RATIO {
+        let factor = if ratio < self.linear_ratio {
             nozzle.flow_function(ratio)
         } else {
-            nozzle.flow_function(LINEAR_RATIO) * (1.0 - ratio) / (1.0 - LINEAR_RATIO)
+            self.linear_slope * (1.0 - ratio)
         };
         self.effective_area * upstream * factor
+    }
+
+    /// Returns the mass flow per effective area, upstream pressure and (1 - ratio) in the linear zone (s/m).
+    #[cfg(test)]
+    pub(crate) fn linear_slope(&self) -> f64 {
+        self.linear_slope
     }
 }
 
@@ -105,6 +144,30 @@ mod tests {
         let nozzle = PlantParameters::nominal().plant().nozzle;
         let (_, between) = in_series(&nozzle, [1e-6, 4e-6], 8e5, 1e4);
         assert!((between / 2e5 - 1.0).abs() < 1e-9, "{between}");
+    }
+
+    /// The zone is as wide as the time constant requires, from that of a valve to a hundredth.
+    #[test]
+    fn a_volume_follows_its_mouth_in_three_milliseconds_where_the_zone_can_be_so_wide() {
+        let plant = PlantParameters::nominal().plant();
+        let gas = plant.chamber.pressure_per_mass * plant.chamber.volume;
+        for (volume, ratio) in [
+            (1e-6, Some(LEAST_LINEAR_RATIO)),
+            (10e-6, None),
+            (20e-6, None),
+            (60e-6, Some(LAMINAR_RATIO)),
+        ] {
+            let mouth = Mouth::new(3e-7, volume, &plant.nozzle, gas);
+            let found_s = volume / (gas * mouth.effective_area * mouth.linear_slope);
+            match ratio {
+                Some(ratio) => assert_eq!(mouth.linear_ratio, ratio),
+                None => assert!((found_s / LINEAR_S - 1.0).abs() < 0.01, "{found_s}"),
+            }
+        }
+        let mouth = Mouth::new(3e-7, 60e-6, &plant.nozzle, gas);
+        let below = plant.nozzle.mass_flow(3e-7, 9e5, 8e5);
+        assert_eq!(mouth.mass_flow(&plant.nozzle, 9e5, 8e5), below);
+        assert_eq!(mouth.mass_flow(&plant.nozzle, 8e5, 9e5), -below);
     }
 
     #[test]

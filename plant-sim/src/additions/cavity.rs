@@ -2,7 +2,7 @@
 
 use super::leak::Leak;
 use crate::orifice::NozzleLaw;
-use crate::restriction::Restriction;
+use crate::restriction::Mouth;
 
 /// Cavity behind a tube.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,9 +18,9 @@ pub struct Cavity {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Tube {
-    Orifice(Restriction),
+    Orifice(Mouth),
     /// Line with a critical ratio of its own.
-    Line(Restriction, Box<NozzleLaw>),
+    Line(Mouth, Box<NozzleLaw>),
     Laminar(Leak),
 }
 
@@ -33,8 +33,8 @@ impl Cavity {
     /// Returns the mass flow from the chamber into the cavity (kg/s).
     pub(crate) fn inflow(&self, nozzle: &NozzleLaw, chamber: f64, cavity: f64) -> f64 {
         match &self.tube {
-            Tube::Orifice(restriction) => restriction.mass_flow(nozzle, chamber, cavity),
-            Tube::Line(restriction, nozzle) => restriction.mass_flow(nozzle, chamber, cavity),
+            Tube::Orifice(mouth) => mouth.mass_flow(nozzle, chamber, cavity),
+            Tube::Line(mouth, nozzle) => mouth.mass_flow(nozzle, chamber, cavity),
             Tube::Laminar(leak) => leak.mass_flow(nozzle, chamber, cavity),
         }
     }

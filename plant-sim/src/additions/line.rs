@@ -1,7 +1,7 @@
 //! Lines between a valve and the pressure beyond it (E51, E56).
 
 use crate::orifice::NozzleLaw;
-use crate::restriction::Restriction;
+use crate::restriction::{Mouth, Restriction};
 
 /// Supply line or outlet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,7 +9,7 @@ pub enum Line {
     /// Restriction without a volume between it and the valve.
     Orifice(Restriction),
     /// Restriction with a volume (m³) between it and the valve.
-    Volume(Restriction, f64),
+    Volume(Mouth, f64),
     /// Pressure that drops in proportion to the flow.
     Yielding {
         /// Pressure per mass flow (Pa s/kg).
@@ -55,8 +55,8 @@ impl Line {
     ) -> f64 {
         match self {
             Self::Orifice(_) => 0.0,
-            Self::Volume(restriction, volume) => {
-                gas / volume * (restriction.mass_flow(nozzle, beyond, pressure) - drawn)
+            Self::Volume(mouth, volume) => {
+                gas / volume * (mouth.mass_flow(nozzle, beyond, pressure) - drawn)
             }
             Self::Yielding {
                 resistance,

@@ -180,6 +180,11 @@ fn nanoseconds(seconds: f64) -> u64 {
 }
 
 impl GasParameters {
+    /// Returns R T (J/kg).
+    pub(crate) fn rt(&self) -> f64 {
+        self.gas_constant_j_per_kg_k * self.temperature_k
+    }
+
     /// Returns the supply pressure (Pa abs).
     pub fn supply_pressure_pa(&self) -> f64 {
         self.supply_pressure_bar_gauge * PA_PER_BAR + self.ambient_pressure_pa

@@ -6,7 +6,7 @@ use crate::description::{
     About, Effect, EffectSetting, EntryPoint, PlantParameters, Variant, effect_parameters,
 };
 use crate::plant::Plant;
-use crate::restriction::Restriction;
+use crate::restriction::Mouth;
 
 effect_parameters! { "effects.dead_volume":
     VOLUME = cavity_volume_m3 ["m3"] 1e-8 ..= 1e-3, Log 3e-6, off 0.0,
@@ -55,9 +55,12 @@ impl Effect for DeadVolume {
             volume: setting.value("cavity_volume_m3"),
             tube: match setting.variant().name {
                 "laminar" => Tube::Laminar(leak(setting, parameters, plant)),
-                _ => Tube::Orifice(Restriction {
-                    effective_area: setting.value("area_m2"),
-                }),
+                _ => Tube::Orifice(Mouth::new(
+                    setting.value("area_m2"),
+                    setting.value("cavity_volume_m3"),
+                    &plant.nozzle,
+                    parameters.gas.rt(),
+                )),
             },
             holds_the_sensor: setting.variant().name != "side_chamber",
             has_the_leak: false,

@@ -6,7 +6,7 @@ use crate::description::{
     effect_parameters,
 };
 use crate::plant::Plant;
-use crate::restriction::Restriction;
+use crate::restriction::{Mouth, Restriction};
 
 effect_parameters! { "effects.drain_back_pressure":
     PRESSURE = pressure_bar ["bar gauge"] 0.001 ..= 5.0, Log 0.2, off 0.0,
@@ -61,7 +61,7 @@ impl Effect for DrainBackPressure {
         &ABOUT
     }
 
-    fn install(&self, setting: &EffectSetting, _: &PlantParameters, plant: &mut Plant) {
+    fn install(&self, setting: &EffectSetting, parameters: &PlantParameters, plant: &mut Plant) {
         plant.drain_pressure += setting.get("pressure_bar").unwrap_or(0.0) * PA_PER_BAR;
         if let Some(resistance) = setting.get("silencer_resistance_bar_s_per_g") {
             plant.additions.drain_line =
@@ -70,10 +70,12 @@ impl Effect for DrainBackPressure {
         let Some(effective_area) = setting.get("silencer_area_m2") else {
             return;
         };
-        let restriction = Restriction { effective_area };
         if let Some(volume) = setting.get("line_volume_m3") {
-            plant.additions.drain_line = Some(Line::Volume(restriction, volume));
+            let gas = parameters.gas.rt();
+            let mouth = Mouth::new(effective_area, volume, &plant.nozzle, gas);
+            plant.additions.drain_line = Some(Line::Volume(mouth, volume));
         } else {
+            let restriction = Restriction { effective_area };
             let slot = &mut plant.additions.restrictions[1];
             *slot = Some(restriction.in_series_with(*slot));
         }
@@ -83,7 +85,6 @@ impl Effect for DrainBackPressure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::restriction::LINEAR_RATIO;
     use crate::{Command, Simulator};
 
     fn venting(setting: EffectSetting, milliseconds: u64) -> f64 {
@@ -175,11 +176,10 @@ mod tests {
             let gas = plant.chamber.pressure_per_mass * plant.chamber.volume;
             let valve =
                 plant.valves[1].orifice.effective_area(f64::INFINITY) * nozzle.laminar_slope();
-            let silencer_slope = nozzle.flow_function(LINEAR_RATIO) / (1.0 - LINEAR_RATIO);
             let a = gas / plant.chamber.volume * valve;
             let [b, c] = match plant.additions.drain_line {
                 Some(Line::Volume(silencer, volume)) => {
-                    [valve, silencer.effective_area * silencer_slope]
+                    [valve, silencer.effective_area * silencer.linear_slope()]
                         .map(|slope| gas / volume * slope)
                 }
                 Some(Line::Yielding {

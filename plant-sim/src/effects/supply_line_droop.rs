@@ -6,7 +6,7 @@ use crate::description::{
 };
 use crate::orifice::{NozzleLaw, Subsonic};
 use crate::plant::Plant;
-use crate::restriction::Restriction;
+use crate::restriction::{Mouth, Restriction};
 
 effect_parameters! { "effects.supply_line_droop":
     AREA = restriction_area_m2 ["m2"] 1e-8 ..= 1e-3, Log 4e-6, off f64::INFINITY,
@@ -75,11 +75,14 @@ impl Effect for SupplyLineDroop {
         });
         plant.additions.supply_line = match setting.get("restriction_area_m2") {
             Some(effective_area) => {
-                let restriction = Restriction { effective_area };
-                let volume = setting.get("line_volume_m3");
-                Some(volume.map_or(Line::Orifice(restriction), |volume| {
-                    Line::Volume(restriction, volume)
-                }))
+                let line = match setting.get("line_volume_m3") {
+                    Some(volume) => {
+                        let nozzle = plant.additions.tube.as_deref().unwrap_or(&plant.nozzle);
+                        Line::Volume(Mouth::new(effective_area, volume, nozzle, gas.rt()), volume)
+                    }
+                    None => Line::Orifice(Restriction { effective_area }),
+                };
+                Some(line)
             }
             None => Line::yielding(
                 setting.value("regulator_droop_bar_s_per_g"),

@@ -13,7 +13,7 @@ use crate::effects::LIBRARY;
 use crate::magnet::Magnet;
 use crate::orifice::{NozzleLaw, Orifice, Subsonic};
 use crate::plant::{FILL, Plant, VENT};
-use crate::restriction::Restriction;
+use crate::restriction::Mouth;
 use crate::subsonic_curves::SubsonicCurves;
 use crate::valve::{Valve, ValveFunction};
 
@@ -234,7 +234,10 @@ impl PlantParameters {
                 self.iso6358(second.conductance_dm3_per_s_bar, second.critical_ratio);
             Cavity {
                 volume: second.volume_m3,
-                tube: Tube::Line(Restriction { effective_area }, Box::new(nozzle)),
+                tube: Tube::Line(
+                    Mouth::new(effective_area, second.volume_m3, &nozzle, self.gas.rt()),
+                    Box::new(nozzle),
+                ),
                 holds_the_sensor: second.sensor == SensorPlace::SecondChamber,
                 has_the_leak: true,
             }
