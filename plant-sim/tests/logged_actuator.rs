@@ -61,8 +61,10 @@ fn the_pressure_of_a_closed_chamber_follows_the_logged_position() {
 #[test]
 fn a_plant_without_the_effect_ignores_the_position() {
     let plant = cylinder().without_effect("actuator_volume");
-    let found = pressures(&plant, &log(50, 1, |time_s| 100.0 * time_s));
-    assert!(found.iter().all(|pressure| *pressure == found[0]));
+    for position_mm in [100.0, f64::NAN] {
+        let found = pressures(&plant, &log(50, 1, |time_s| position_mm * time_s));
+        assert!(found.iter().all(|pressure| *pressure == found[0]));
+    }
 }
 
 #[test]

@@ -18,43 +18,63 @@ const POSITION: Input = Input {
 };
 
 /// Returns the position (m) at the rows of `base`, averaged according to its noise and interpolated between its samples; before the first
-/// sample and after the last one it rests. `None` if the log has none, or the plant has no chamber.
+/// sample and after the last one it rests. `None` if the log has no usable one, or the plant has no chamber.
 ///
 /// # Errors
-/// Returns an error for a signal of another quantity or without a value; if the plant needs the position and the log does not have it; or
-/// if the chamber has no volume at a position.
+/// Returns an error if the plant needs the position, and the log has none, or one of another quantity or without a value, or one at which
+/// the chamber has no volume.
 pub(super) fn logged_position(
     parameters: &PlantParameters,
     log: &Recording,
     base: &TimeBase,
 ) -> Result<Option<Vec<f64>>, ReplayError> {
-    let effect = parameters.effect(EFFECT).filter(|effect| !effect.is_off());
-    if !Part::Chamber.is_in(parameters) || effect.is_none() && !log.mentions(ACTUATOR_POSITION) {
+    if !Part::Chamber.is_in(parameters) {
         return Ok(None);
     }
-    let signal = log.require(ACTUATOR_POSITION, Quantity::Length)?;
-    let values = signal.values_in(Unit::Metre)?;
-    let values = averaged(&values, &POSITION);
-    let own = log.time_base(signal.time_base());
-    let times_s = own.ok_or(ReplayError::NoTimeBase)?.times_s().iter();
-    let samples: Vec<(f64, f64)> = times_s.copied().zip(values).collect();
-    let samples: Vec<_> = samples
-        .into_iter()
-        .filter(|one| one.1.is_finite())
-        .collect();
-    if samples.is_empty() {
-        return Err(ReplayError::EmptyPosition);
-    }
-    if let Some(area) = effect.and_then(|effect| effect.get("area_m2")) {
-        let smallest = |one: &f64, other: &f64| (area * one).total_cmp(&(area * other));
-        let position = samples.iter().map(|one| one.1).min_by(smallest);
-        let position = position.unwrap_or_default();
-        if parameters.chamber.volume_m3 + area * position <= 0.0 {
-            return Err(ReplayError::NoVolume { position, area });
+    let effect = parameters.effect(EFFECT).filter(|effect| !effect.is_off());
+    let samples = match (samples(log), effect) {
+        (Ok(samples), effect) => {
+            check_volume(
+                parameters,
+                effect.and_then(|effect| effect.get("area_m2")),
+                &samples,
+            )?;
+            samples
         }
-    }
+        (Err(error), Some(_)) => return Err(error),
+        (Err(_), None) => return Ok(None),
+    };
     let times_s = base.times_s().iter();
     Ok(Some(times_s.map(|&time_s| at(&samples, time_s)).collect()))
+}
+
+/// Returns the samples of the position (s, m), averaged according to their noise; there is one.
+fn samples(log: &Recording) -> Result<Vec<(f64, f64)>, ReplayError> {
+    let signal = log.require(ACTUATOR_POSITION, Quantity::Length)?;
+    let values = averaged(&signal.values_in(Unit::Metre)?, &POSITION);
+    let own = log.time_base(signal.time_base());
+    let times_s = own.ok_or(ReplayError::NoTimeBase)?.times_s().iter();
+    let mut samples: Vec<(f64, f64)> = times_s.copied().zip(values).collect();
+    samples.retain(|(_, position)| position.is_finite());
+    match samples.is_empty() {
+        true => Err(ReplayError::EmptyPosition),
+        false => Ok(samples),
+    }
+}
+
+/// Refuses samples at which an actuator of this area (m²) leaves the chamber no volume.
+fn check_volume(
+    parameters: &PlantParameters,
+    area: Option<f64>,
+    samples: &[(f64, f64)],
+) -> Result<(), ReplayError> {
+    let area = area.unwrap_or(0.0);
+    let positions = samples.iter().map(|(_, position)| *position);
+    let least = positions.min_by(|one, other| (area * one).total_cmp(&(area * other)));
+    match least.filter(|position| parameters.chamber.volume_m3 + area * position <= 0.0) {
+        Some(position) => Err(ReplayError::NoVolume { position, area }),
+        None => Ok(()),
+    }
 }
 
 /// Returns the value at a time (s) between samples (s, value), of which there is one.

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 /// Voltage (V) at which the delays of on/off valves are known.
 pub const NOMINAL_V: f64 = 24.0;
 
-/// Course over the time: a mean with two swings of different periods.
+/// Value over the time: a mean with two swings of different periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
+pub struct Swing {
     /// Mean.
     pub mean: f64,
     /// Amplitude of each swing.
@@ -16,8 +16,8 @@ pub struct Course {
     pub periods_s: [f64; 2],
 }
 
-impl Course {
-    /// Returns a course without a swing.
+impl Swing {
+    /// Returns a value that does not swing.
     pub fn constant(mean: f64) -> Self {
         Self {
             mean,

@@ -31,7 +31,7 @@ mod valve;
 
 pub use hidden::{HiddenEffects, PullIn, SupplyLine};
 pub use hose::Walls;
-pub use inputs::{Course, NOMINAL_V};
+pub use inputs::{NOMINAL_V, Swing};
 pub use on_off_valve::SwitchingTimes;
 pub use orifice::Conductance;
 pub use plant::{KindPlant, KindReading};

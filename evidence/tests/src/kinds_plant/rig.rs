@@ -2,7 +2,7 @@
 
 use super::hidden::HiddenEffects;
 use super::hose::Walls;
-use super::inputs::Course;
+use super::inputs::Swing;
 use super::orifice::Conductance;
 use super::valve::Drive;
 
@@ -30,9 +30,9 @@ pub struct KindRig {
     /// Fill valve and vent valve, both at the first chamber.
     pub valves: [ValvePart; 2],
     /// Position of an actuator (m).
-    pub actuator: Course,
+    pub actuator: Swing,
     /// Supply voltage (V).
-    pub voltage: Course,
+    pub voltage: Swing,
     /// Hidden effects.
     pub hidden: HiddenEffects,
 }

@@ -37,8 +37,8 @@ fn rig() -> KindRig {
         walls: Walls::Rigid,
         second: None,
         valves: [valve; 2],
-        actuator: Course::constant(0.0),
-        voltage: Course::constant(NOMINAL_V),
+        actuator: Swing::constant(0.0),
+        voltage: Swing::constant(NOMINAL_V),
         hidden: HiddenEffects::default(),
     }
 }
@@ -195,7 +195,7 @@ fn a_choked_leak_decays_with_its_time_constant_at_the_far_end() {
 }
 
 /// Actuator that swings by 75 mm around 100 mm.
-const SWING: Course = Course {
+const SWING: Swing = Swing {
     mean: 0.1,
     amplitudes: [0.05, 0.025],
     periods_s: [1.7, 0.6],
@@ -262,7 +262,7 @@ fn a_half_as_long_step_changes_the_pressure_by_less_than_a_tenth_of_a_millibar()
         time_constant_s: 10e-3,
     });
     rig.actuator = SWING;
-    rig.voltage = Course {
+    rig.voltage = Swing {
         mean: 23.0,
         ..SWING
     };

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::field::logarithmic;
 use crate::chance::Chance;
-use crate::kinds_plant::{Conductance, Course, Drive, KindRig, NOMINAL_V, PullIn, SupplyLine};
+use crate::kinds_plant::{Conductance, Drive, KindRig, NOMINAL_V, PullIn, SupplyLine, Swing};
 
 /// Shares of the rigs with no hidden effect and with one; the others have two.
 const NONE: f64 = 0.25;
@@ -201,7 +201,7 @@ impl Effect {
                     pull_in.map_or(1.0, |pull_in| pull_in.delay(difference, volt))
                 };
                 let mut values = vec![("pressure_share", 1.0 - delay(0.0, NOMINAL_V))];
-                if rig.voltage != Course::constant(NOMINAL_V) {
+                if rig.voltage != Swing::constant(NOMINAL_V) {
                     let [low, high] = VOLTAGES_V.map(|volt| delay(1.0, volt).ln());
                     let apart = (VOLTAGES_V[1] / VOLTAGES_V[0]).ln();
                     values.push(("voltage_exponent", (low - high) / apart));
@@ -216,9 +216,9 @@ impl Effect {
 }
 
 /// Draws the motion of an actuator between position 0 and its travel.
-pub(super) fn actuator(chance: &mut Chance) -> Course {
+pub(super) fn actuator(chance: &mut Chance) -> Swing {
     let middle = 0.5 * chance.between(TRAVEL_M[0], TRAVEL_M[1]);
-    Course {
+    Swing {
         mean: middle,
         amplitudes: [0.7 * middle, 0.3 * middle],
         periods_s: ACTUATOR_S.map(|[low, high]| chance.between(low, high)),
@@ -226,8 +226,8 @@ pub(super) fn actuator(chance: &mut Chance) -> Course {
 }
 
 /// Draws a supply voltage that swings between 20 and 28 V.
-pub(super) fn voltage(chance: &mut Chance) -> Course {
-    Course {
+pub(super) fn voltage(chance: &mut Chance) -> Swing {
+    Swing {
         mean: NOMINAL_V,
         amplitudes: [2.5, 1.5],
         periods_s: VOLTAGE_S.map(|[low, high]| chance.between(low, high)),

@@ -207,17 +207,35 @@ impl Line {
         self.key.contains(OPEN_SHARE)
     }
 
-    /// Returns a value from which the true one is off by at most the certainty.
+    /// Returns a value from which the true one is off by at most the certainty, with as few digits as that admits, at least three.
     pub(super) fn stated(&self, chance: &mut Chance) -> f64 {
         let off = OFF_MAX * chance.between(-1.0, 1.0);
-        match self.certainty {
+        let value = match self.certainty {
             Exact => self.truth,
             Percent(percent) => self.truth / (1.0 + 0.01 * percent * off),
             Within(most) => self.truth - most * off,
             PercentAndWithin(percent, most) => {
                 (self.truth - most * off) / (1.0 + 0.01 * percent * off)
             }
-        }
+        };
+        let rounded = |decimals: usize| -> f64 {
+            let text = format!("{value:.decimals$e}");
+            text.parse().expect("it is a number")
+        };
+        let mut rounded = (2..=4).map(rounded);
+        rounded.find(|value| self.admits(*value)).unwrap_or(value)
+    }
+
+    /// Returns whether the true value lies within the certainty around a stated one.
+    fn admits(&self, stated: f64) -> bool {
+        let within = match self.certainty {
+            // A frequency is a round number.
+            Exact => 1e-3 * stated,
+            Percent(percent) => 0.01 * percent * stated,
+            Within(most) => most,
+            PercentAndWithin(percent, most) => 0.01 * percent * stated + most,
+        };
+        (stated - self.truth).abs() <= within
     }
 
     pub(super) fn comment(&self) -> String {
@@ -231,11 +249,6 @@ impl Line {
     }
 }
 
-/// Rounds to three significant digits.
-pub(super) fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().expect("it is a number")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,22 +256,19 @@ mod tests {
     #[test]
     fn a_stated_value_admits_the_truth() {
         let mut chance = Chance::new(1);
-        for certainty in [
-            Exact,
-            Percent(25.0),
-            Within(0.5),
-            PercentAndWithin(25.0, 1.0),
+        for (truth, certainty) in [
+            (2.5, Exact),
+            (2.5, Percent(25.0)),
+            (2.5, Within(0.5)),
+            (2.5, PercentAndWithin(25.0, 1.0)),
+            // Defect seen: 1.0160 became 1.02, which is off by 1.33 %.
+            (1.006_414_36, Percent(1.0)),
         ] {
-            let line = line("fill_opening_ramp_ms", 2.5, certainty, "guessed");
+            let line = line("fill_opening_ramp_ms", truth, certainty, "guessed");
             for _ in 0..200 {
-                let stated = rounded(line.stated(&mut chance));
-                let within = match certainty {
-                    Exact => 0.0,
-                    Percent(percent) => 0.01 * percent * stated,
-                    Within(most) => most,
-                    PercentAndWithin(percent, most) => 0.01 * percent * stated + most,
-                };
-                assert!((stated - 2.5).abs() <= within && stated > 0.0, "{stated}");
+                let stated = line.stated(&mut chance);
+                assert!(line.admits(stated) && stated > 0.0, "{stated}");
+                assert!(format!("{stated}").len() <= 6, "{stated}");
             }
         }
     }

@@ -6,7 +6,7 @@ use super::effects::{Effect, actuator, hide, voltage};
 use super::format::{Kind, KindLogger};
 use crate::chance::Chance;
 use crate::kinds_plant::{
-    Characteristic, Conductance, Course, Drive, HiddenEffects, KindRig, NOMINAL_V, SecondChamber,
+    Characteristic, Conductance, Drive, HiddenEffects, KindRig, NOMINAL_V, SecondChamber, Swing,
     SwitchingTimes, ValvePart, Walls,
 };
 
@@ -84,15 +84,15 @@ impl KindPlan {
         // A gauge at the inlet of the fill valve would show the droop.
         logger.supply_pressure &= !effects.contains(&Effect::SupplyLine);
         // A log may have inputs that change nothing.
-        if rig.actuator == Course::constant(0.0) && chance.happens(IDLE_INPUT) {
+        if rig.actuator == Swing::constant(0.0) && chance.happens(IDLE_INPUT) {
             rig.actuator = actuator(chance);
         }
         let is_driven = rig.hidden.pull_in.is_some();
         if !is_driven && chance.happens(IDLE_INPUT) {
             rig.voltage = voltage(chance);
         }
-        logger.position = rig.actuator != Course::constant(0.0);
-        logger.voltage = rig.voltage != Course::constant(NOMINAL_V);
+        logger.position = rig.actuator != Swing::constant(0.0);
+        logger.voltage = rig.voltage != Swing::constant(NOMINAL_V);
         Self {
             kind,
             rig,
@@ -127,8 +127,8 @@ fn rig(kind: Kind, chance: &mut Chance) -> KindRig {
         walls: Walls::Rigid,
         second: None,
         valves,
-        actuator: Course::constant(0.0),
-        voltage: Course::constant(NOMINAL_V),
+        actuator: Swing::constant(0.0),
+        voltage: Swing::constant(NOMINAL_V),
         hidden: HiddenEffects::default(),
     };
     match kind {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::format::{Kind, KindLogger};
-use super::known::{Line, rounded};
+use super::known::Line;
 use super::plan::KindPlan;
 use crate::chance::Chance;
 
@@ -18,7 +18,7 @@ pub(super) fn plate(plan: &KindPlan, lines: &[Line], chance: &mut Chance) -> Str
         if line.is_of_curve() && !has_curves {
             continue;
         }
-        let value = rounded(line.stated(chance));
+        let value = line.stated(chance);
         put(&mut text, &line.key, value, &line.comment());
     }
     let KindLogger {
