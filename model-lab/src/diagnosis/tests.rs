@@ -3,8 +3,10 @@ use core::ops::ControlFlow;
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, by_id};
 use plant_sim::logger_clock::LoggerClock;
+use recording::{Recording, Unit};
 
 use super::diagnose;
+use super::error::DiagnoseError;
 use super::evidence::unknowns::Unknowns;
 use super::fit::gather::gather;
 use super::fit::logger_time::fit_conditions;
@@ -333,5 +335,37 @@ fn the_place_of_an_error_is_sought_with_the_clock_that_was_found() {
     let logs = core::slice::from_ref(&log);
     for regime in regimes(&plant, (logs, &evidence.logs)).unwrap() {
         assert_eq!(regime.regime, None, "{regime:?}");
+    }
+}
+
+/// Without the position of an actuator in a log, or with one that rests, its effect is not tried, and a request for it is refused.
+#[test]
+fn an_effect_that_a_signal_drives_needs_that_signal() {
+    let plant = PlantParameters::nominal();
+    let log = Bench::default().measure();
+    let add = [("actuator_volume".to_owned(), None)];
+    let watch = |_| ControlFlow::Continue(());
+    let refused = refine(&plant, &[log.clone()], &[], &add, &watch).unwrap_err();
+    let expected = DiagnoseError::NotDriven {
+        id: "actuator_volume",
+        signal: "x_actuator",
+    };
+    assert_eq!(refused, expected);
+
+    let effect = by_id("actuator_volume").unwrap();
+    let forms = |log: &Recording| {
+        let (split, _) = Split::that_shows(&plant, std::slice::from_ref(log), &[]).unwrap();
+        split.bench(&plant, &[]).forms_of(effect).len()
+    };
+    assert_eq!(forms(&log), 0);
+    for (swing_mm, expected) in [(0.0, 0), (20.0, 1)] {
+        let mut moved = log.clone();
+        let id = log.signal("p_ch").unwrap().time_base();
+        let rows = log.time_base(id).unwrap().len();
+        let position = (0..rows).map(|row| swing_mm * (0.1 * row as f64).sin());
+        moved
+            .add_signal("x_actuator", Unit::Millimetre, id, position.collect())
+            .unwrap();
+        assert_eq!(forms(&moved), expected);
     }
 }
