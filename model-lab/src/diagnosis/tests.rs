@@ -345,7 +345,8 @@ fn an_effect_that_a_signal_drives_needs_that_signal() {
     let log = Bench::default().measure();
     let add = [("actuator_volume".to_owned(), None)];
     let watch = |_| ControlFlow::Continue(());
-    let refused = refine(&plant, &[log.clone()], &[], &add, &watch).unwrap_err();
+    let logs = std::slice::from_ref(&log);
+    let refused = refine(&plant, logs, &[], &add, &watch).unwrap_err();
     let expected = DiagnoseError::NotDriven {
         id: "actuator_volume",
         signal: "x_actuator",
