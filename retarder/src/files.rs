@@ -16,7 +16,7 @@ use crate::input::is_built_in_controller;
 use crate::targets::{Existing, is_standard_output};
 
 /// Options that name a file to write; every other option with a file names one to read.
-const OUTPUTS: [&str; 3] = ["out", "html", "json"];
+const OUTPUTS: [&str; 4] = ["out", "html", "json", "missing_flow"];
 /// Arguments without a name that name a log to read.
 const POSITIONAL: [&str; 2] = ["path", "paths"];
 /// Commands whose output may replace their input: command, input option and output option.

@@ -14,7 +14,7 @@ use crate::run::{Answer, Outcome};
 use crate::targets::{Existing, Targets, is_standard_output};
 
 /// Writes the requested files and prints the rest. The answer decides the exit status.
-pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, Failure> {
+pub(crate) fn deliver((outcome, mut targets): (Outcome, Targets)) -> Result<Answer, Failure> {
     // Whether another output than the text uses the standard output.
     let mut is_taken = false;
     let existing = targets.existing;
@@ -30,6 +30,20 @@ pub(crate) fn deliver((outcome, targets): (Outcome, Targets)) -> Result<Answer, 
     }
     if let (Some(path), Outcome::Estimation(estimated)) = (&targets.plant, &outcome) {
         is_taken |= write(path, existing, &estimated.estimated.plant.to_toml())?;
+    }
+    if let (Some(path), Outcome::Diagnosis(diagnosed)) = (&targets.plant, &outcome) {
+        match diagnosed.with_missing_flow() {
+            Some(with) => is_taken |= write(path, existing, &with.plant.to_toml())?,
+            None => {
+                let note = format!(
+                    "no missing flow that depends on the chamber pressure remains, so {} is not written",
+                    path.display()
+                );
+                let note = print::note(&note, &Terminal::standard_error());
+                let _ = anstream::stderr().write_all(note.as_bytes());
+                targets.plant = None;
+            }
+        }
     }
     if let (Some(path), Outcome::Inspection(inspected)) = (&targets.mapping, &outcome)
         && let Some(mapping) = inspected.mapping()

@@ -11,7 +11,7 @@ pub(crate) struct Targets {
     pub(crate) json: Option<PathBuf>,
     pub(crate) html: Option<PathBuf>,
     pub(crate) recording: Option<PathBuf>,
-    /// The refined plant file.
+    /// The refined plant file, or that with the missing flow.
     pub(crate) plant: Option<PathBuf>,
     /// Mapping of the columns of a log.
     pub(crate) mapping: Option<PathBuf>,

@@ -304,6 +304,7 @@ fn compare(args: CompareArgs, targets: &mut Targets) -> Result<Work, Failure> {
 
 fn diagnose(args: DiagnoseArgs, targets: &mut Targets) -> Result<Work, Failure> {
     (targets.json, targets.html) = (args.json.json, args.html.html);
+    targets.plant = args.missing_flow;
     Ok(Work::Diagnose(to_explain(&args.logs, &args.plant)?))
 }
 

@@ -47,7 +47,7 @@ pub(crate) use fit::logger_time::conditions_of;
 pub use knowledge::{KnowledgeError, fix, free};
 pub use known::{Known, asking_plant_file, known};
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement};
-pub use remaining::MissingFlow;
+pub use remaining::{MissingFlow, WithMissingFlow};
 pub use result::Diagnosis;
 pub use search::{Progress, Watch};
 

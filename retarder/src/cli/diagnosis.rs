@@ -23,6 +23,10 @@ pub(crate) struct DiagnoseArgs {
     pub(crate) logs: LogsArgs,
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
+    /// Write the plant to this file with the missing flow as an effect of your own, if a flow that depends on the
+    /// chamber pressure remains
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) missing_flow: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) html: HtmlArg,
     #[command(flatten)]

@@ -14,13 +14,14 @@ use super::number::{percent, significant};
 use super::table::{Align, Entry, Table, bar, painted};
 use super::{Colour, Terminal, painted_paragraph, paragraph, title};
 use crate::run::diagnose::{Diagnosed, RefinedPlant};
+use crate::targets::Targets;
 use report::{SmallUnit, pressure_first, unit_of};
 
 /// Width of the longest bar of the error steps (characters).
 const BAR: usize = 24;
 
 /// Returns the whole diagnosis, the answer first.
-pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
+pub(super) fn diagnosis(diagnosed: &Diagnosed, targets: &Targets, terminal: &Terminal) -> String {
     let found = &diagnosed.diagnosis;
     let plant = &diagnosed.task.plant.name;
     let mut text = title(&headline(plant, &found.logs, &found.check), terminal);
@@ -55,7 +56,12 @@ pub(super) fn diagnosis(diagnosed: &Diagnosed, terminal: &Terminal) -> String {
     }
     text += "\n";
     text += &painted_paragraph(Colour::Faint, &cost(&found.cost), terminal);
-    if let Some(next) = diagnosed.next_command() {
+    let written = targets.plant.as_deref();
+    let next = written.map_or_else(
+        || diagnosed.next_command(),
+        |plant| diagnosed.adding_flow(plant),
+    );
+    if let Some(next) = next {
         text += &format!("\nNext:\n  {}    # {}\n", next.command, next.purpose);
     }
     text

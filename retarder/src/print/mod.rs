@@ -129,7 +129,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::Inspection(inspected) => inspection::inspection(inspected, terminal),
         Outcome::Simulation(result) => simulation(result, terminal),
         Outcome::Comparison(compared) => comparison::comparison(compared, terminal),
-        Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, terminal),
+        Outcome::Diagnosis(diagnosed) => diagnosis::diagnosis(diagnosed, targets, terminal),
         Outcome::Estimation(estimated) => estimation::estimation(estimated, targets, terminal),
         Outcome::Refinement(refined) => diagnosis::refinement(refined, terminal),
         Outcome::NextExperiment(planned) => next_experiment::next_experiment(planned, terminal),

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use model_lab::diagnosis::result::{StepKind, Verdict};
 use model_lab::diagnosis::{
     Determination, Diagnosis, EstimatedParameter, EstimatedPlant as Estimated, Progress as Stage,
-    Refined, diagnose, estimate as estimate_parameters, refine as fit,
+    Refined, WithMissingFlow, diagnose, estimate as estimate_parameters, refine as fit,
 };
 use recording::Recording;
 use report::NextCommand;
@@ -128,7 +128,7 @@ impl Diagnosed {
             .map(|value| format!(" --free {}", value.name))
             .collect();
         let purpose = match (added.len(), freed.len()) {
-            (0, 0) => return None,
+            (0, 0) => return self.keeping_flow(&given),
             (0, _) => "correct the plant file",
             (1, 0) => "add the effect to the plant file",
             (_, 0) => "add the effects to the plant file",
@@ -139,6 +139,42 @@ impl Diagnosed {
         Some(NextCommand {
             purpose,
             command: format!("retarder refine{given}{added}{freed} --out {REFINED_FILE}"),
+        })
+    }
+}
+
+/// File that the proposed command writes, with the missing flow.
+const FLOW_FILE: &str = "with-flow.toml";
+
+impl Diagnosed {
+    /// Returns the plant with the missing flow as an effect that it may have; `None` if no flow that depends on the chamber pressure
+    /// remains.
+    pub(crate) fn with_missing_flow(&self) -> Option<WithMissingFlow> {
+        WithMissingFlow::of(&self.diagnosis, &self.task.plant.parameters)
+    }
+
+    /// Returns the command that keeps the missing flow; `None` if there is none.
+    fn keeping_flow(&self, given: &str) -> Option<NextCommand> {
+        self.with_missing_flow()?;
+        Some(NextCommand {
+            purpose: "keep the missing flow as an effect of your own",
+            command: format!("retarder diagnose{given} --missing-flow {FLOW_FILE}"),
+        })
+    }
+
+    /// Returns the command that adds the missing flow in the file `plant` to the named effects; `None` if there is none.
+    pub(crate) fn adding_flow(&self, plant: &Path) -> Option<NextCommand> {
+        let with = self.with_missing_flow()?;
+        let options = self.task.options.with_plant(plant);
+        let steps = self.diagnosis.error_steps.iter();
+        let named = steps.filter_map(|step| Some((step.added.as_ref()?, step.variant.as_ref()?)));
+        let named: String = named
+            .map(|(id, variant)| format!(" --add {id}:{variant}"))
+            .collect();
+        let effect = with.effect;
+        Some(NextCommand {
+            purpose: "fit the missing flow",
+            command: format!("retarder refine{options}{named} --add {effect} --out {REFINED_FILE}"),
         })
     }
 }

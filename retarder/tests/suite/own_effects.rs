@@ -98,6 +98,31 @@ fn the_commands_of_the_page_lead_from_a_definition_to_its_values() {
     );
 }
 
+/// The library without the law of the seal leaves a flow. The second block of the page keeps it and fits it.
+#[test]
+fn a_flow_that_no_effect_explains_becomes_an_effect() {
+    let bench = bench();
+    let plant = bench.run(&["parameters", "--toml"]).ended_with(0);
+    bench.file("my-plant.toml", &plant);
+    let section = section();
+    let (_, behind) = section
+        .split_once("it can write that effect for you")
+        .unwrap();
+    let commands = block(behind, "sh");
+    let mut ran = commands.lines().map(|line| {
+        let arguments: Vec<&str> = line.split_whitespace().skip(1).collect();
+        bench.run(&arguments)
+    });
+    let diagnosed = ran.next().unwrap().ended_with(1);
+    assert_contains(
+        &diagnosed,
+        &["Written: with-flow.toml", "--add own.missing_flow"],
+    );
+    let refined = ran.next().unwrap().ended_with(0);
+    assert_contains(&refined, &["own.missing_flow, only"]);
+    assert_contains(&bench.read("refined.toml"), &["[effects.own.missing_flow]"]);
+}
+
 /// JSON and report name the effect, and the option of the page sets it.
 #[test]
 fn json_and_report_have_the_own_effect_and_set_changes_it() {

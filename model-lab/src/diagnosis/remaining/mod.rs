@@ -5,6 +5,7 @@ mod alike;
 mod curves;
 mod flow_table;
 mod lines;
+mod own_effect;
 mod periodogram;
 mod pulses;
 mod sentences;
@@ -20,6 +21,7 @@ use lines::{Sensitivity, Swing};
 use trace::{Regime, Trace, predicted};
 
 pub use flow_table::MissingFlow;
+pub use own_effect::WithMissingFlow;
 
 /// Difference steps of the sensitivities: supply pressure (bar), share of the vent valve's flow.
 const SUPPLY_STEP_BAR: f64 = 0.05;
