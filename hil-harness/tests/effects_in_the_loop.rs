@@ -9,6 +9,7 @@ use hil_harness::{
 };
 use plant_sim::PlantParameters;
 use plant_sim::effects::{EffectSetting, LIBRARY, by_id};
+use plant_sim::replay::ACTUATOR_POSITION;
 
 /// Returns fillings, rests and ventings, with small steps at both ends of the pressure range.
 fn scenario() -> Scenario {
@@ -91,7 +92,7 @@ fn every_effect_of_the_library_changes_what_the_ecu_reads() {
     let plain = inputs(&run, nominal.clone());
     // An effect of on/off valves does not act on this plant, and an actuator rests in the loop.
     let settings = LIBRARY.iter().flat_map(|effect| nominal.forms_of(*effect));
-    let settings = settings.filter(|setting| setting.driven_by() != Some("x_actuator"));
+    let settings = settings.filter(|setting| setting.driven_by() != Some(ACTUATOR_POSITION));
     for setting in settings {
         let with = inputs(&run, nominal.with_effect(setting.clone()));
         let is_different = |(plain, with): (&Sensors, &Sensors)| {

@@ -99,7 +99,7 @@ pub enum ReplayError {
     #[error(
         "at x_actuator = {} mm, the actuator of {} cm2 leaves the chamber no volume: look at the sign and the size of \
          effects.actuator_volume.area_m2, at the unit of x_actuator, and at chamber.volume_m3, which is the volume at position 0",
-        position * 1e3, area * 1e4
+        (position * 1e4).round() / 10.0, (area * 1e6).round() / 100.0
     )]
     NoVolume {
         /// Position (m).

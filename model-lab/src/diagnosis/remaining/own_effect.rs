@@ -67,7 +67,10 @@ fn definition(
         .windows(2)
         .map(|two| {
             let [(begin, from), (end, to)] = [two[0], two[1]];
-            let slope = (to - from) / (end - begin);
+            (begin, end, (to - from) / (end - begin))
+        })
+        .filter(|(.., slope)| *slope != 0.0)
+        .map(|(begin, end, slope)| {
             format!(" + {slope:.5} * (min(max(p / p_ambient, {begin:.5}), {end:.5}) - {begin:.5})")
         })
         .collect();
