@@ -129,15 +129,9 @@ impl Commands {
                     std::mem::take(&mut duty_pct[valve]),
                 )
             }),
-            shut_pct: parameters.functions.map(|function| match function {
-                ValveFunction::NormallyClosed
-                | ValveFunction::OnOff
-                | ValveFunction::Proportional
-                | ValveFunction::Blocked
-                | ValveFunction::Absent => 0.0,
-                ValveFunction::NormallyOpen => 100.0,
-                ValveFunction::AlwaysOpen => f64::NAN,
-            }),
+            shut_pct: parameters
+                .functions
+                .map(|function| function.shut_duty_pct().unwrap_or(f64::NAN)),
             delay_s: delay_s(parameters),
             delay_range_s: delay_range_s(parameters),
             valve_delay_s: on_off_valves(parameters)

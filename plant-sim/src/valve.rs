@@ -45,6 +45,19 @@ impl ValveFunction {
         matches!(self, Self::NormallyClosed | Self::NormallyOpen)
     }
 
+    /// Returns the duty cycle that shuts the valve (%); none for a part that no duty cycle shuts.
+    pub fn shut_duty_pct(self) -> Option<f64> {
+        match self {
+            Self::NormallyOpen => Some(100.0),
+            Self::AlwaysOpen => None,
+            Self::NormallyClosed
+            | Self::OnOff
+            | Self::Proportional
+            | Self::Blocked
+            | Self::Absent => Some(0.0),
+        }
+    }
+
     /// Returns whether air may flow.
     pub fn has_orifice(self) -> bool {
         self.has_armature() || self.has_conductance() || self == Self::AlwaysOpen

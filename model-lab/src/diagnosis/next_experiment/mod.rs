@@ -10,6 +10,7 @@ mod determine_result;
 #[cfg(test)]
 mod determine_tests;
 mod distance;
+mod driver;
 mod result;
 mod sensors;
 mod test_signal;
@@ -115,8 +116,8 @@ pub fn next_experiment(
 /// Checks that the plant has the parts that every excitation uses: both valves and the chamber.
 fn check_parts(plant: &PlantParameters) -> Result<(), DiagnoseError> {
     let parts = [
-        Part::ArmatureOf(FILL),
-        Part::ArmatureOf(VENT),
+        Part::CommandedValve(FILL),
+        Part::CommandedValve(VENT),
         Part::Chamber,
     ];
     match parts.into_iter().find(|part| !part.is_in(plant)) {

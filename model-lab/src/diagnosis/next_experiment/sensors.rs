@@ -3,9 +3,9 @@
 use plant_sim::{Command, PlantParameters, Simulator};
 
 use super::distance::Rival;
+use super::driver::end_ns;
 use super::result::Sensor;
 use super::test_signal::Sequence;
-use super::test_signal::end_ns;
 use crate::diagnosis::evidence::Evidence;
 use crate::measured::PRESSURE;
 

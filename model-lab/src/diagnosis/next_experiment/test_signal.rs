@@ -4,6 +4,7 @@ use plant_sim::plant::{FILL, VENT};
 use plant_sim::{Command, PlantParameters, Simulator};
 use recording::{Provenance, Recording, TimeBase, Unit};
 
+use super::driver::{Driver, end_ns};
 use super::result::Limits;
 use crate::diagnosis::error::DiagnoseError;
 
@@ -12,10 +13,6 @@ const EARLIER_S: f64 = 0.1;
 const EMPTYING_S: f64 = 1.0;
 /// Shortest run (s) that provides information.
 const SHORTEST_S: f64 = 2.0;
-/// Approximate number of rows for which a command continues to act.
-const DELAY_ROWS: f64 = 3.0;
-/// Longest wait for a pressure (s).
-const LONGEST_WAIT_S: f64 = 4.0;
 
 /// Duty cycles (%) of fill and vent valve, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,7 +122,7 @@ static PLANS: [Plan; 9] = [
                 driver.vent_above(HIGH, 0.3);
             }
             let share = if round == 0 { 0.5 } else { 0.1 };
-            driver.vent(100.0, share * driver.limits.duration_s);
+            driver.energise_vent(share * driver.duration_s());
             driver.hold(0.2);
         },
     },
@@ -232,11 +229,13 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
         round += 1;
     }
     let interval_s = driver.interval_s;
+    let emptying = driver.wide_open(VENT);
+    let shut = driver.shut();
     let mut duties = driver.duties;
     // Each cut leaves a shorter run; with the emptying at its end it may satisfy the limits.
     let rows = |span_s: f64| (span_s / interval_s).round() as usize;
     for _ in 0..3 {
-        let does_something = duties.iter().flatten().any(|duty| *duty > 0.0);
+        let does_something = duties.iter().any(|duties| *duties != shut);
         if duties.len() < rows(SHORTEST_S) || !does_something {
             return None;
         }
@@ -258,10 +257,7 @@ fn within(plan: &Plan, plants: &[&PlantParameters], limits: &Limits) -> Option<S
         let leaves = |trace: &Vec<f64>| trace.iter().position(|bar| *bar > limits.max_bar);
         let row = traces.iter().filter_map(leaves).min()?;
         duties.truncate(row.saturating_sub(rows(EARLIER_S)));
-        duties.extend(core::iter::repeat_n(
-            [0.0, limits.max_duty_pct],
-            rows(EMPTYING_S),
-        ));
+        duties.extend(core::iter::repeat_n(emptying, rows(EMPTYING_S)));
         duties.truncate(rows(limits.duration_s));
     }
     None
@@ -280,127 +276,4 @@ fn pressures_bar(plant: &PlantParameters, duties: &[[f64; 2]], interval_s: f64) 
             (simulator.state().pressure - plant.gas.ambient_pressure_pa) * 1e-5
         })
         .collect()
-}
-
-/// Returns the end of a row (ns).
-pub(super) fn end_ns(row: usize, interval_s: f64) -> u64 {
-    ((row + 1) as f64 * interval_s * 1e9).round() as u64
-}
-
-/// Driver of a plant that executes a plan and records its commands.
-struct Driver<'a> {
-    simulator: Simulator,
-    ambient_pa: f64,
-    limits: &'a Limits,
-    /// Sample time of the ECU (s).
-    interval_s: f64,
-    /// Time in which one duty cycle acts (s): a PWM period, or a sample where that is longer.
-    period_s: f64,
-    duties: Vec<[f64; 2]>,
-    /// Pressure one row ago (Pa abs).
-    before: f64,
-}
-
-impl<'a> Driver<'a> {
-    fn new(plant: &PlantParameters, limits: &'a Limits) -> Self {
-        let mut driver = Self {
-            simulator: Simulator::new(plant),
-            ambient_pa: plant.gas.ambient_pressure_pa,
-            limits,
-            interval_s: plant.ecu.sample_time_s,
-            period_s: plant
-                .ecu
-                .sample_time_s
-                .max(1.0 / plant.ecu.pwm_frequency_hz),
-            duties: Vec::new(),
-            before: plant.gas.ambient_pressure_pa,
-        };
-        // Rest first, so that the noise of every signal shows.
-        driver.hold(0.5);
-        driver
-    }
-
-    fn is_over(&self) -> bool {
-        self.duties.len() as f64 * self.interval_s >= self.limits.duration_s - 1e-9
-    }
-
-    /// Returns the pressure (Pa gauge) that is reached when the command ends now.
-    fn coming(&self) -> f64 {
-        let pressure = self.simulator.state().pressure;
-        pressure + DELAY_ROWS * (pressure - self.before) - self.ambient_pa
-    }
-
-    /// Returns whether the pressure is above this share of the highest allowed.
-    fn is_above(&self, share: f64) -> bool {
-        self.simulator.state().pressure - self.ambient_pa > share * self.limits.max_bar * 1e5
-    }
-
-    fn row(&mut self, duties: [f64; 2]) {
-        if self.is_over() {
-            return;
-        }
-        let duties = duties.map(|duty| duty.min(self.limits.max_duty_pct));
-        let [duty_fill_pct, duty_vent_pct] = duties;
-        self.duties.push(duties);
-        self.before = self.simulator.state().pressure;
-        self.simulator.command(Command {
-            duty_fill_pct,
-            duty_vent_pct,
-        });
-        let row = self.duties.len() - 1;
-        self.simulator.advance_to_ns(end_ns(row, self.interval_s));
-    }
-
-    fn rows(&mut self, duties: [f64; 2], span_s: f64) {
-        for _ in 0..(span_s / self.interval_s).round() as usize {
-            self.row(duties);
-        }
-    }
-
-    fn go(&mut self, valve: usize, duty: f64, span_s: f64) {
-        let mut duties = [0.0; 2];
-        duties[valve] = duty;
-        self.rows(duties, span_s);
-    }
-
-    fn hold(&mut self, span_s: f64) {
-        self.rows([0.0; 2], span_s);
-    }
-
-    fn fill(&mut self, duty: f64, span_s: f64) {
-        self.go(FILL, duty, span_s);
-    }
-
-    fn vent(&mut self, duty: f64, span_s: f64) {
-        self.go(VENT, duty, span_s);
-    }
-
-    /// Opens a valve for some PWM periods.
-    fn pulse(&mut self, valve: usize, duty: f64, periods: u32) {
-        self.go(valve, duty, f64::from(periods) * self.period_s);
-    }
-
-    fn fill_to(&mut self, duty: f64, share: f64) {
-        let most = self.duties.len() + (LONGEST_WAIT_S / self.interval_s) as usize;
-        let sought = share * self.limits.max_bar * 1e5;
-        while self.coming() < sought && self.duties.len() < most && !self.is_over() {
-            self.row([duty, 0.0]);
-        }
-    }
-
-    fn vent_to(&mut self, duty: f64, share: f64) {
-        let most = self.duties.len() + (LONGEST_WAIT_S / self.interval_s) as usize;
-        let sought = share.max(0.01) * self.limits.max_bar * 1e5;
-        while self.coming() > sought && self.duties.len() < most && !self.is_over() {
-            self.row([0.0, duty]);
-        }
-    }
-
-    /// Vents above this share of the highest allowed pressure.
-    fn vent_above(&mut self, share: f64, span_s: f64) {
-        if self.is_above(share) {
-            self.vent(100.0, span_s);
-            self.hold(0.2);
-        }
-    }
 }

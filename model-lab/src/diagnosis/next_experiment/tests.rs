@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 
-use plant_sim::parameters::{Knowledge, ParameterSpec};
+use plant_sim::parameters::{Knowledge, OnOffValveParameters, ParameterSpec};
 use plant_sim::valve::ValveFunction;
 use recording::csv;
 
@@ -150,6 +150,78 @@ fn commands_follow_the_sample_time_and_the_pwm_period_of_the_plant() {
     assert_eq!(pulse.count(), 4);
 }
 
+/// Defect seen: a normally open vent valve got no current while a plan filled and held, so that the chamber stayed empty.
+#[test]
+fn a_normally_open_vent_valve_is_driven_wherever_the_air_is_to_stay() {
+    let mut plant = PlantParameters::nominal();
+    plant.functions[VENT] = ValveFunction::NormallyOpen;
+    let sequences = test_signal::sequences(&[&plant], &LIMITS).unwrap();
+    let closed = test_signal::sequences(&[&PlantParameters::nominal()], &LIMITS).unwrap();
+    assert_eq!(sequences.len(), closed.len());
+    for (sequence, closed) in sequences.iter().zip(&closed) {
+        let filling = sequence.duties.iter().filter(|duties| duties[FILL] > 0.0);
+        assert!(filling.count() > 0, "{}", sequence.name);
+        let is_shut = |duties: &&[f64; 2]| duties[FILL] == 0.0 || duties[VENT] == 100.0;
+        assert!(sequence.duties.iter().all(|duties| is_shut(&duties)));
+        let [open, closed] = [sequence.highest_bar, closed.highest_bar];
+        // A coil that warms keeps the air in here, and vents there.
+        assert!(open > closed - 0.3, "{}: {open} {closed}", sequence.name);
+    }
+    let hold = sequences
+        .iter()
+        .find(|one| one.name == "hold at two pressures");
+    let duties = &hold.unwrap().duties;
+    let is_held = |duties: &[f64; 2]| *duties == [0.0, 100.0];
+    assert!(is_held(&duties[0]));
+    let filled = duties.iter().position(|duties| duties[FILL] > 0.0).unwrap();
+    let held = duties[filled..].iter().filter(|duties| is_held(duties));
+    assert!(held.count() >= 400);
+}
+
+/// Defect seen: a plant with on/off valves was refused. Such a rig may command its valves open and shut alone.
+#[test]
+fn an_on_off_valve_is_commanded_open_or_shut_for_whole_samples() {
+    let mut plant = PlantParameters::nominal();
+    plant.functions = [ValveFunction::OnOff; 2];
+    for valve in [&mut plant.on_off_fill, &mut plant.on_off_vent] {
+        *valve = OnOffValveParameters {
+            conductance_dm3_per_s_bar: 0.3,
+            critical_ratio: 0.4,
+            opening_delay_s: 0.015,
+            closing_delay_s: 0.025,
+            opening_ramp_s: 0.004,
+            closing_ramp_s: 0.002,
+        };
+    }
+    let sequences = test_signal::sequences(&[&plant], &LIMITS).unwrap();
+    assert!(sequences.len() >= 6);
+    for sequence in &sequences {
+        let mut duties = sequence.duties.iter().flatten();
+        assert!(duties.all(|duty| [0.0, 100.0].contains(duty)));
+    }
+    let staircase = sequences
+        .iter()
+        .find(|one| one.name == "pulse-width staircase");
+    let fills: Vec<bool> = staircase
+        .unwrap()
+        .duties
+        .iter()
+        .map(|duties| duties[FILL] > 0.0)
+        .collect();
+    let pulses = fills.chunk_by(|a, b| a == b).filter(|rows| rows[0]);
+    let rows: Vec<usize> = pulses.map(<[bool]>::len).collect();
+    assert!(rows.len() > 4 && rows.last() > rows.first(), "{rows:?}");
+    let log = poor_log(plant.clone());
+    let next = next_experiment(
+        &plant,
+        &[log],
+        Question::For("chamber_leak"),
+        LIMITS,
+        &go_on,
+    );
+    assert_eq!(next.unwrap().ranking[0].name, "hold at two pressures");
+}
+
 #[test]
 fn an_effect_that_was_not_excited_gets_a_test_signal() {
     let next = asked(Question::For("chamber_leak"), LIMITS).unwrap();
@@ -229,7 +301,7 @@ fn a_plant_without_a_valve_or_without_a_chamber_is_refused() {
         (
             ValveFunction::AlwaysOpen,
             75e-6,
-            "has no armature of the vent valve",
+            "has no vent valve that is commanded",
         ),
     ] {
         let mut plant = PlantParameters::nominal();

@@ -1,5 +1,7 @@
 //! Commanded states of the valves as time intervals, from the duty cycles of a log.
 
+use plant_sim::PlantParameters;
+use plant_sim::plant::{FILL, VENT};
 use recording::{Quantity, Recording, TimeBase};
 use serde::Serialize;
 
@@ -13,9 +15,9 @@ const SEGMENTS_MAX: usize = 500;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum State {
-    /// Only the fill valve is energised.
+    /// Only the fill valve is open.
     Filling,
-    /// Only the vent valve is energised.
+    /// Only the vent valve is open.
     Venting,
     Both,
     Shut,
@@ -24,16 +26,19 @@ pub(super) enum State {
 impl State {
     const ALL: [Self; 4] = [Self::Filling, Self::Venting, Self::Both, Self::Shut];
 
-    fn of(fill: f64, vent: f64) -> Option<Self> {
-        if fill.is_nan() || vent.is_nan() {
+    /// Returns the state that two duty cycles command, with those that shut the valves.
+    fn of(duties: [f64; 2], shut: [f64; 2]) -> Option<Self> {
+        if duties.into_iter().any(f64::is_nan) {
             return None;
         }
-        Some(match (fill > 0.0, vent > 0.0) {
-            (true, false) => Self::Filling,
-            (false, true) => Self::Venting,
-            (true, true) => Self::Both,
-            (false, false) => Self::Shut,
-        })
+        Some(
+            match (duties[FILL] != shut[FILL], duties[VENT] != shut[VENT]) {
+                (true, false) => Self::Filling,
+                (false, true) => Self::Venting,
+                (true, true) => Self::Both,
+                (false, false) => Self::Shut,
+            },
+        )
     }
 }
 
@@ -57,8 +62,12 @@ impl Segment {
     }
 }
 
-/// Returns the states in `range`; empty if the log does not have both duty cycles on one time base.
-pub(super) fn segments(log: &Recording, range: Range) -> Result<Vec<Segment>, Refusal> {
+/// Returns the states of the valves of `plant` in `range`; empty if the log does not have both duty cycles on one time base.
+pub(super) fn segments(
+    log: &Recording,
+    plant: &PlantParameters,
+    range: Range,
+) -> Result<Vec<Segment>, Refusal> {
     let duty = |name| log.require(name, Quantity::DutyCycle).ok();
     let Some((fill, vent)) = duty("duty_fill").zip(duty("duty_vent")) else {
         return Ok(Vec::new());
@@ -68,9 +77,18 @@ pub(super) fn segments(log: &Recording, range: Range) -> Result<Vec<Segment>, Re
         return Ok(Vec::new());
     };
     let (within, view_s) = range.of(base)?;
-    let duties = (fill.values_or_nan(), vent.values_or_nan());
+    let duties = [fill.values_or_nan(), vent.values_or_nan()];
+    // An orifice that nothing shuts counts as open.
+    let shut = plant
+        .functions
+        .map(|function| function.shut_duty_pct().unwrap_or(f64::NAN));
     // A command applies until the next one: one from before the view is still in effect.
-    let all = held(base, duties, within.start.saturating_sub(1)..within.end);
+    let all = held(
+        base,
+        duties,
+        shut,
+        within.start.saturating_sub(1)..within.end,
+    );
     if all.len() <= SEGMENTS_MAX {
         return Ok(all);
     }
@@ -81,7 +99,8 @@ pub(super) fn segments(log: &Recording, range: Range) -> Result<Vec<Segment>, Re
 /// Returns the state that each sample commands until the next one; during a pause of the log there is none.
 fn held(
     base: &TimeBase,
-    (fill, vent): (&[f64], &[f64]),
+    duties: [&[f64]; 2],
+    shut: [f64; 2],
     rows: std::ops::Range<usize>,
 ) -> Vec<Segment> {
     let gap_s = gap_s(base);
@@ -91,7 +110,7 @@ fn held(
         let (from_s, Some(&to_s)) = (times_s[row], times_s.get(row + 1)) else {
             break;
         };
-        let state = State::of(fill[row], vent[row]);
+        let state = State::of(duties.map(|duties| duties[row]), shut);
         if let Some(state) = state.filter(|_| to_s - from_s <= gap_s) {
             let segment = Segment {
                 state,
@@ -138,6 +157,7 @@ fn longest_in_each_piece(all: &[Segment], (from_s, to_s): (f64, f64)) -> Vec<Seg
 
 #[cfg(test)]
 mod tests {
+    use plant_sim::valve::ValveFunction;
     use recording::{Provenance, Unit};
 
     use super::*;
@@ -165,7 +185,12 @@ mod tests {
         let fill = [0.0, 30.0, 30.0, 0.0, 10.0, f64::NAN, 0.0, 0.0, 5.0, 5.0].to_vec();
         let vent = [0.0, 0.0, 0.0, 50.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0].to_vec();
         // The pause of 93 s is longer than five mean steps.
-        let found = segments(&log(times_s, fill, vent), all()).unwrap();
+        let found = segments(
+            &log(times_s, fill, vent),
+            &PlantParameters::nominal(),
+            all(),
+        )
+        .unwrap();
         let segment = |state, from_s, to_s| Segment {
             state,
             from_s,
@@ -193,7 +218,7 @@ mod tests {
         let fill = (0..count).map(pulse).collect();
         let vent = (0..count).map(second_half).collect();
         let log = log(times_s, fill, vent);
-        let found = segments(&log, all()).unwrap();
+        let found = segments(&log, &PlantParameters::nominal(), all()).unwrap();
         let states: Vec<State> = found.iter().map(|segment| segment.state).collect();
         assert_eq!(states, [State::Shut, State::Venting]);
         assert!((found[0].to_s - 200.0).abs() < 1.0);
@@ -202,8 +227,20 @@ mod tests {
             from_s: Some(10.0),
             to_s: Some(10.2),
         };
-        let found = segments(&log, near).unwrap();
+        let found = segments(&log, &PlantParameters::nominal(), near).unwrap();
         assert!(found.iter().any(|segment| segment.state == State::Filling));
+    }
+
+    /// Defect seen: a normally open vent valve under current was shown as venting.
+    #[test]
+    fn a_normally_open_vent_valve_is_shut_by_full_duty() {
+        let mut plant = PlantParameters::nominal();
+        plant.functions[VENT] = ValveFunction::NormallyOpen;
+        let (times_s, fill) = (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 0.0, 60.0, 0.0]);
+        let log = log(times_s, fill, vec![0.0, 100.0, 100.0, 0.0]);
+        let found = segments(&log, &plant, all()).unwrap();
+        let states: Vec<State> = found.iter().map(|segment| segment.state).collect();
+        assert_eq!(states, [State::Venting, State::Shut, State::Filling]);
     }
 
     #[test]
@@ -212,6 +249,9 @@ mod tests {
         let id = log.add_time_base(TimeBase::new(vec![0.0, 1.0]).unwrap());
         log.add_signal("p_ch", Unit::BarGauge, id, vec![1.0, 2.0])
             .unwrap();
-        assert_eq!(segments(&log, all()).unwrap(), []);
+        assert_eq!(
+            segments(&log, &PlantParameters::nominal(), all()).unwrap(),
+            []
+        );
     }
 }

@@ -137,7 +137,7 @@ pub(super) fn traces(session: &Session, number: u32, view: &View) -> Result<Trac
         _ => None,
     };
     let states = if view.states {
-        states::segments(&log.recording, range)?
+        states::segments(&log.recording, &parameters, range)?
     } else {
         Vec::new()
     };
