@@ -584,3 +584,40 @@ fn a_single_bad_row_or_cell_is_reported_in_the_singular() {
         ]
     );
 }
+
+/// One column with -1, 0 and 1 commands both valves. Defect seen: its name said nothing known, and no mapping made two commands of it.
+#[test]
+fn a_state_of_both_valves_becomes_two_commands() {
+    for (sign, filled, vented) in [(1, 1, -1), (-1, -1, 1)] {
+        let mut pressure: f64 = 0.0;
+        let text = (0..400).fold("time_s,p_ch_bar_gauge,y\n".to_owned(), |text, row| {
+            let state = match row % 100 {
+                10..40 => filled,
+                60..90 => vented,
+                _ => 0,
+            };
+            pressure = (pressure + 0.06 * f64::from(sign * state)).max(0.0);
+            text + &format!("{:.2},{pressure:.4},{state}\n", 0.01 * f64::from(row))
+        });
+        let (inspection, path, _folder) = inspected_with(text.as_bytes(), None);
+        assert!(inspection.is_ready(), "{inspection:#?}");
+        assert_eq!(inspection.found, ["duty_fill", "duty_vent", "p_ch"]);
+        let proposed = inspection.mapping.as_ref().unwrap();
+        let options = LogOptions {
+            mapping: Mapping::parse("proposed", proposed).unwrap(),
+            ..LogOptions::default()
+        };
+        let recording = read_log_file(&path, &options).unwrap();
+        let duty = |name: &str| recording.signal(name).unwrap().values_or_nan().to_vec();
+        let (fill, vent) = (duty("duty_fill"), duty("duty_vent"));
+        assert_eq!((fill[5], fill[20], fill[70]), (0.0, 1.0, 0.0));
+        assert_eq!((vent[5], vent[20], vent[70]), (0.0, 0.0, 1.0));
+
+        // The mapping is given: both signals come from the column.
+        let again = inspect_file(&path, &options, Some(proposed)).unwrap();
+        assert!(again.is_ready(), "{again:#?}");
+        let columns = again.columns.iter().filter(|column| column.key == "y");
+        let signals: Vec<_> = columns.map(|column| column.signal.as_deref()).collect();
+        assert_eq!(signals, [Some("duty_fill"), Some("duty_vent")]);
+    }
+}

@@ -46,6 +46,8 @@ struct Column {
     thousands_separator: Option<Word>,
     /// Range outside which values count as missing.
     plausible: Option<[f64; 2]>,
+    /// Range to which values are limited.
+    clip: Option<[f64; 2]>,
 }
 
 /// Identification of a column.
@@ -155,9 +157,11 @@ impl Column {
         if let Some(separator) = &self.thousands_separator {
             let _ = writeln!(lines, "thousands_separator = {}", quoted(separator));
         }
-        if let Some([least, greatest]) = self.plausible {
-            // The reader of mappings refuses numbers that are not finite, with the line.
-            let _ = writeln!(lines, "plausible = [{least:?}, {greatest:?}]");
+        for (key, range) in [("plausible", self.plausible), ("clip", self.clip)] {
+            if let Some([least, greatest]) = range {
+                // The reader of mappings refuses numbers that are not finite, with the line.
+                let _ = writeln!(lines, "{key} = [{least:?}, {greatest:?}]");
+            }
         }
         Ok(lines)
     }

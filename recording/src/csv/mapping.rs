@@ -47,13 +47,24 @@ pub(crate) const CLOCK: &str = "clock";
 ///     check_scale = false               # accept values of unusual size
 ///     plausible = [-1, 12]              # values outside, such as glitches, count as missing; in bar_gauge
 ///
-///     [constant.duty_fill]              # not in the file, since it stayed as it was
-///     value = 100
-///     unit = "pct"
+///     [signal.duty_fill]                # a column with -1, 0 and 1 commands both valves
+///     column = "state"
+///     unit = "frac"
+///     clip = [0, 1]                     # limits the values after scale and offset
 ///
-///     [constant.duty_vent]              # for those of several logs that do not have it
-///     value = 0
-///     unit = "pct"
+///     [signal.duty_vent]
+///     column = "state"
+///     unit = "frac"
+///     scale = -1.0
+///     clip = [0, 1]
+///
+///     [constant.u_bat]                  # not in the file, since it stayed as it was
+///     value = 24
+///     unit = "V"
+///
+///     [constant.p_amb]                  # for those of several logs that do not have it
+///     value = 1.013
+///     unit = "bar_abs"
 ///     where_absent = true
 ///
 ///     [rows]                            # the others are left out
@@ -104,16 +115,46 @@ impl ColumnKey {
     }
 }
 
+/// Conversion of a logged number to the value of a signal: number * scale + offset, limited to a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Conversion {
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
+    /// Least and greatest value; a value outside becomes the nearer one.
+    pub(crate) clip: Option<[f64; 2]>,
+}
+
+impl Conversion {
+    /// Conversion that keeps every number.
+    pub(crate) const NONE: Self = Self {
+        scale: 1.0,
+        offset: 0.0,
+        clip: None,
+    };
+
+    /// Returns the value of a logged number; without scale and offset every bit of a number in the range is unchanged.
+    pub(crate) fn value(&self, logged: f64) -> f64 {
+        let value = match (self.scale, self.offset) {
+            (1.0, 0.0) => logged,
+            (scale, offset) => logged * scale + offset,
+        };
+        match self.clip {
+            // The sum makes -0 to 0.
+            Some([least, greatest]) => value.clamp(least, greatest) + 0.0,
+            None => value,
+        }
+    }
+}
+
 /// Mapping of one column.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MappedColumn {
     pub(crate) column: ColumnKey,
     pub(crate) unit: Unit,
-    pub(crate) scale: f64,
-    pub(crate) offset: f64,
+    pub(crate) conversion: Conversion,
     pub(crate) thousands: Option<char>,
     pub(crate) check_scale: bool,
-    /// Range of the values after scale and offset, in `unit`; values outside count as missing.
+    /// Range of the converted values, in `unit`; values outside count as missing.
     pub(crate) plausible: Option<RangeInclusive<f64>>,
     /// Whether the column has dates or times of day; its unit is then the second.
     pub(crate) is_clock: bool,
@@ -160,6 +201,7 @@ struct ColumnToml {
     #[serde(default = "yes")]
     check_scale: bool,
     plausible: Option<Spanned<[f64; 2]>>,
+    clip: Option<Spanned<[f64; 2]>>,
 }
 
 fn yes() -> bool {
@@ -307,8 +349,8 @@ fn resolve_time(
     mut raw: ColumnToml,
     decimal: Option<Decimal>,
 ) -> Result<(MappedColumn, Range<usize>), AtSpan> {
-    if let Some(range) = &raw.plausible {
-        return Err((range.span(), MappingProblem::PlausibleTime));
+    if let Some(range) = raw.plausible.as_ref().or(raw.clip.as_ref()) {
+        return Err((range.span(), MappingProblem::TimeRange));
     }
     if raw.unit.get_ref() != CLOCK {
         return resolve_column(raw, decimal, None);
@@ -346,18 +388,8 @@ fn resolve_column(
         }
         Some(value) => Err((value.span(), MappingProblem::Factor(*value.get_ref()))),
     };
-    let plausible = match raw.plausible {
-        None => None,
-        Some(range) => {
-            let [least, greatest] = *range.get_ref();
-            // Also false for NaN.
-            if !(least < greatest && least.is_finite() && greatest.is_finite()) {
-                let problem = MappingProblem::Plausible { least, greatest };
-                return Err((range.span(), problem));
-            }
-            Some(least..=greatest)
-        }
-    };
+    let plausible = resolve_range(raw.plausible)?;
+    let clip = resolve_range(raw.clip)?;
     let thousands_span = raw.thousands_separator.as_ref().map(Spanned::span);
     let thousands = choice(
         raw.thousands_separator,
@@ -372,14 +404,27 @@ fn resolve_column(
     let column = MappedColumn {
         column: raw.column.into_inner(),
         unit,
-        scale: number(raw.scale, 1.0, false)?,
-        offset: number(raw.offset, 0.0, true)?,
+        conversion: Conversion {
+            scale: number(raw.scale, 1.0, false)?,
+            offset: number(raw.offset, 0.0, true)?,
+            clip,
+        },
         thousands,
         check_scale: raw.check_scale,
-        plausible,
+        plausible: plausible.map(|[least, greatest]| least..=greatest),
         is_clock: false,
     };
     Ok((column, unit_span))
+}
+
+fn resolve_range(range: Option<Spanned<[f64; 2]>>) -> Result<Option<[f64; 2]>, AtSpan> {
+    let Some(range) = range else { return Ok(None) };
+    let [least, greatest] = *range.get_ref();
+    // Also false for NaN.
+    if !(least < greatest && least.is_finite() && greatest.is_finite()) {
+        return Err((range.span(), MappingProblem::Range { least, greatest }));
+    }
+    Ok(Some([least, greatest]))
 }
 
 fn choice<T: Copy>(

@@ -108,19 +108,19 @@ pub enum MappingProblem {
     /// A scale is zero, NaN or infinite.
     #[error("found {0}, expected a finite number, for a scale other than 0; correct it")]
     Factor(f64),
-    /// A plausible range is empty or not finite.
+    /// A range is empty or not finite.
     #[error("found [{least}, {greatest}], expected a smaller and a greater number; correct it")]
-    Plausible {
+    Range {
         /// First number.
         least: f64,
         /// Second number.
         greatest: f64,
     },
-    /// The time has a plausible range.
+    /// The time has a range of its values.
     #[error(
-        "the time has no plausible range; write [rows] with from_s and until_s to leave out rows"
+        "the time has neither `plausible` nor `clip`; write [rows] with from_s and until_s to leave out rows"
     )]
-    PlausibleTime,
+    TimeRange,
     /// A constant is no number, or is outside the hard bounds of its quantity.
     #[error("found {found} ({allowed}); correct it")]
     Constant {
@@ -152,8 +152,8 @@ impl MappingProblem {
             Self::Name(_) => "E-MAP-NAME",
             Self::ColumnZero => "E-MAP-COLUMN",
             Self::Factor(_) => "E-MAP-FACTOR",
-            Self::PlausibleTime => "E-MAP-PLAUSIBLE-TIME",
-            Self::Plausible { .. } => "E-MAP-PLAUSIBLE",
+            Self::TimeRange => "E-MAP-TIME-RANGE",
+            Self::Range { .. } => "E-MAP-RANGE",
             Self::Constant { .. } => "E-MAP-CONSTANT",
             Self::WindowEmpty => "E-MAP-ROWS",
             Self::ThousandsAsDecimal => "E-MAP-THOUSANDS",

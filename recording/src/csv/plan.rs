@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::complement::Constant;
 use super::error::{Excerpt, Located, Place};
 use super::header::{parse_heading, parse_heading_over_unit};
-use super::mapping::{ColumnKey, MappedColumn, Mapping};
+use super::mapping::{ColumnKey, Conversion, MappedColumn, Mapping};
 use super::problem::Problem;
 use crate::name::{NameError, is_time_column};
 use crate::{Converter, Unit};
@@ -30,8 +30,7 @@ pub(super) struct FieldPlan {
     pub(super) field: usize,
     pub(super) name: String,
     pub(super) unit: Unit,
-    /// Scale and offset of a mapping, if any: value = logged number * scale + offset.
-    pub(super) linear: Option<(f64, f64)>,
+    pub(super) conversion: Conversion,
     pub(super) thousands: Option<char>,
     pub(super) check_scale: bool,
     /// Range of the values; others count as missing.
@@ -45,7 +44,7 @@ impl FieldPlan {
             field,
             name,
             unit,
-            linear: None,
+            conversion: Conversion::NONE,
             thousands: None,
             check_scale: true,
             plausible: None,
@@ -54,21 +53,14 @@ impl FieldPlan {
     }
 
     fn mapped(field: usize, name: &str, column: &MappedColumn) -> Self {
-        let linear = (column.scale, column.offset);
         Self {
-            linear: (linear != (1.0, 0.0)).then_some(linear),
+            conversion: column.conversion,
             thousands: column.thousands,
             check_scale: column.check_scale,
             plausible: column.plausible.clone(),
             is_clock: column.is_clock,
             ..Self::plain(field, name.to_owned(), column.unit)
         }
-    }
-
-    /// Returns the value of a logged number; without scale and offset every bit is unchanged.
-    pub(super) fn value(&self, logged: f64) -> f64 {
-        self.linear
-            .map_or(logged, |(scale, offset)| logged * scale + offset)
     }
 }
 

@@ -78,7 +78,7 @@ impl RowParser {
             false => self.number(record, time, plan)?,
         };
         let time_s = logged
-            .map(|logged| plan.to_seconds.apply(time.value(logged)))
+            .map(|logged| plan.to_seconds.apply(time.conversion.value(logged)))
             .ok_or_else(|| (plan.place(line, time.field), Problem::TimeMissing))?;
         if time_s <= self.time_s || !time_s.is_finite() {
             let found = Excerpt::of(record.get(time.field));
@@ -103,7 +103,7 @@ impl RowParser {
             self.values[index] = match self.number(record, signal, plan)? {
                 None => f64::NAN,
                 Some(logged) => {
-                    let value = signal.value(logged);
+                    let value = signal.conversion.value(logged);
                     if is_kept {
                         let taken = self.watches[index].take(value, line);
                         taken.map_err(|problem| {

@@ -4,7 +4,7 @@
 use super::unit::{GuessedUnit, short};
 use super::words::Meaning;
 use super::words::Meaning as M;
-use super::{Question, Reading, SIGNALS, Subject, TIME};
+use super::{DUTIES, Question, Reading, SIGNALS, Subject, TIME};
 use crate::{Quantity, Unit};
 
 /// Chooses the time among the columns, and its unit by the steps where the file states none.
@@ -108,6 +108,43 @@ pub(super) fn name_pressures(columns: &[Subject<'_>], readings: &mut [Reading]) 
 /// Share of the range of the pressure by which it rises or falls while a valve is on, above which its direction is
 /// clear.
 const CLEAR_RISE: f64 = 0.2;
+
+/// Names the valves of a column that commands both, by the direction in which the pressure goes at positive numbers.
+/// Where columns of single valves have a name, such a column is no command.
+pub(super) fn name_pair(
+    readings: &mut [Reading],
+    pressure: Option<usize>,
+    rise: &dyn Fn(usize, Option<usize>, usize) -> Option<f64>,
+) {
+    let is_named = |reading: &Reading| DUTIES.iter().any(|duty| reading.signal == Some(duty));
+    let is_one_named = readings
+        .iter()
+        .any(|one| one.pair.is_none() && is_named(one));
+    let pairs = readings.iter().filter(|one| one.pair.is_some()).count();
+    for (index, reading) in readings.iter_mut().enumerate() {
+        let Some(pair) = &mut reading.pair else {
+            continue;
+        };
+        if is_one_named || pairs > 1 {
+            (reading.kind, reading.signal, reading.unit) = (None, None, None);
+            continue;
+        }
+        let share = pressure.and_then(|pressure| rise(index, None, pressure));
+        match share.filter(|share| share.abs() >= CLEAR_RISE) {
+            Some(share) if share < 0.0 => {
+                pair.signals.reverse();
+                reading
+                    .reasons
+                    .push("the pressure falls at positive numbers".to_owned());
+            }
+            Some(_) => reading
+                .reasons
+                .push("the pressure rises at positive numbers".to_owned()),
+            None => reading.assumed.push("positive numbers fill".to_owned()),
+        }
+        reading.signal = Some(pair.signals[0]);
+    }
+}
 
 /// Names columns of valves without a place by the direction in which the pressure goes while each is on.
 pub(super) fn name_valves(

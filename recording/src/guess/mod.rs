@@ -8,7 +8,7 @@ mod words;
 use crate::values::ColumnValues;
 use crate::{PressureReference, Quantity, Unit};
 
-use assignment::{choose_time, name_pressures, name_valves, refuse_rivals};
+use assignment::{choose_time, name_pair, name_pressures, name_valves, refuse_rivals};
 use unit::{split, suggested_reference, unit_of};
 use words::{Meaning, Meaning as M, is_kind, kind_name, named, words};
 
@@ -38,6 +38,11 @@ const SIGNALS: &[(&str, Meaning, &[Meaning])] = &[
     ("x_actuator", M::Position, &[M::Actuator]),
 ];
 
+/// Signals of the commands of both valves.
+const DUTIES: [&str; 2] = ["duty_fill", "duty_vent"];
+/// Numbers at which a valve is fully open where one column commands both.
+const FULL_PAIRS: [f64; 2] = [1.0, 100.0];
+
 /// Highest numbers of counters of PWM hardware, each of which is 100 %.
 const FULL_COUNTS: [f64; 3] = [255.0, 1023.0, 4095.0];
 
@@ -60,12 +65,23 @@ pub(crate) struct ColumnGuess {
     pub(crate) unit: Option<GuessedUnit>,
     /// Factor for the numbers.
     pub(crate) scale: Option<f64>,
+    /// Whether the column commands both valves.
+    pub(crate) pair: Option<Pair>,
     /// Reason of the guess.
     pub(crate) reason: String,
     /// Assumption to check; empty if name and unit say everything.
     pub(crate) assumed: String,
     /// Open question that nothing in the file answers.
     pub(crate) question: Option<Question>,
+}
+
+/// Command of both valves in one column: one valve opens at positive numbers, the other one at negative numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    /// Number at which a valve is fully open.
+    pub(crate) full: f64,
+    /// Signals at positive and at negative numbers.
+    pub(crate) signals: [&'static str; 2],
 }
 
 /// Open question about a column.
@@ -95,6 +111,7 @@ struct Reading {
     strength: u8,
     unit: Option<GuessedUnit>,
     scale: Option<f64>,
+    pair: Option<Pair>,
     reasons: Vec<String>,
     assumed: Vec<String>,
     question: Option<Question>,
@@ -118,10 +135,8 @@ pub(crate) fn guess(
     }
     name_pressures(columns, &mut readings);
     let pressure = readings.iter().position(|one| one.signal == Some("p_ch"));
-    for (kind, signals) in [
-        (M::Duty, ["duty_fill", "duty_vent"]),
-        (M::Current, ["i_fill", "i_vent"]),
-    ] {
+    name_pair(&mut readings, pressure, rise);
+    for (kind, signals) in [(M::Duty, DUTIES), (M::Current, ["i_fill", "i_vent"])] {
         name_valves(&mut readings, kind, signals, pressure, rise);
     }
     refuse_rivals(columns, &mut readings);
@@ -141,6 +156,7 @@ impl Reading {
             strength: 0,
             unit,
             scale: None,
+            pair: None,
             reasons: Vec::new(),
             assumed: Vec::new(),
             question: None,
@@ -247,6 +263,17 @@ impl Reading {
             .or_else(|| of_words.clone().next().map(|&(_, kind)| kind));
         let is_state =
             values.are_whole && values.are_within(0.0, 1.0) && values.least < values.greatest;
+        let full = FULL_PAIRS.into_iter().find(|&full| {
+            (values.least, values.greatest) == (-full, full)
+                && (is_of_valve || values.are_whole && full == 1.0)
+        });
+        if let (None | Some(M::Duty), Some(full)) = (self.kind, full) {
+            self.kind = Some(M::Duty);
+            self.pair = Some(Pair {
+                full,
+                signals: DUTIES,
+            });
+        }
         if self.kind.is_none()
             && (is_of_valve && values.are_within(0.0, FULL_COUNTS[2]) || is_state)
         {
@@ -302,7 +329,17 @@ impl Reading {
     }
 
     fn unit_of_duty(&mut self, values: &ColumnValues) -> Option<GuessedUnit> {
-        let (unit, reason) = if values.are_within(0.0, 1.0) {
+        let (unit, reason) = if let Some(Pair { full, .. }) = self.pair {
+            let unit = if full == 1.0 {
+                Unit::Fraction
+            } else {
+                Unit::Percent
+            };
+            (
+                unit,
+                format!("-{full} to {full}: the command of both valves"),
+            )
+        } else if values.are_within(0.0, 1.0) {
             let text = match values.are_whole {
                 true => "values 0/1: a valve state",
                 false => "0 to 1: a duty cycle",
@@ -334,6 +371,7 @@ impl Reading {
                 .filter(|_| self.signal.is_some() || self.question.is_some()),
             signal: self.signal,
             scale: self.scale.filter(|_| self.signal.is_some()),
+            pair: self.pair.filter(|_| self.signal.is_some()),
             reason: self.reasons.join("; "),
             assumed: self.assumed.join("; "),
             question: self.question,

@@ -192,6 +192,33 @@ fn states_without_a_name_are_valves_if_the_pressure_follows_them() {
     );
 }
 
+/// Returns the guess of a column beside a time and a pressure that does not follow it.
+fn beside_a_pressure(header: &str, numbers: &[f64]) -> ColumnGuess {
+    let (time, pressure) = ([0.0, 1.0, 2.0], [0.0, 3.0, 1.0]);
+    let columns: [(&str, &str, &[f64]); 3] = [
+        ("time_s", "", &time),
+        ("p_ch_bar_gauge", "", &pressure),
+        (header, "", numbers),
+    ];
+    guesses(&columns).swap_remove(2)
+}
+
+#[test]
+fn a_command_of_both_valves_fills_at_positive_numbers_unless_the_pressure_says_otherwise() {
+    for (header, full) in [("state", 1.0), ("valve command", 100.0)] {
+        let found = beside_a_pressure(header, &[0.0, full, -full]);
+        let pair = found.pair.unwrap();
+        assert_eq!((pair.full, pair.signals), (full, DUTIES));
+        assert_eq!(found.assumed, "positive numbers fill");
+    }
+    // No valve is named, and any signal may lie in this range.
+    assert_eq!(
+        beside_a_pressure("steering", &[0.0, 100.0, -100.0]).pair,
+        None
+    );
+    assert_eq!(beside_a_pressure("state", &[0.5, 1.0, -1.0]).pair, None);
+}
+
 #[test]
 fn equal_names_are_a_question_and_a_clearer_one_wins() {
     let (time, pressure) = ([0.0, 1.0, 2.0], [0.0, 3.0, 1.0]);

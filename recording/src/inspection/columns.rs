@@ -7,14 +7,18 @@ use super::Draft;
 use super::glitches::Glitches;
 use super::rise::{Trace, rise};
 use crate::csv::Excerpt;
-use crate::csv::mapping::{CLOCK, MappedColumn};
+use crate::csv::mapping::{CLOCK, Conversion, MappedColumn};
+use crate::guess::Pair;
 use crate::guess::{self, GuessedUnit, Question, Subject, TIME};
 use crate::name::is_time_column;
 use crate::values::ColumnValues;
 use crate::{Bounds, LogFormat, PressureReference, Quantity, Unit};
 
-/// Column of the file.
+/// Column of the file. One that commands both valves is there twice.
+#[derive(Clone)]
 pub(super) struct Column {
+    /// Position in the file, from 1.
+    pub(super) number: u32,
     /// Name in a mapping, and the same in TOML.
     pub(super) key: String,
     pub(super) toml_key: String,
@@ -44,6 +48,8 @@ pub(super) struct Column {
     pub(super) scale: Option<f64>,
     /// Offset of the given mapping.
     pub(super) offset: Option<f64>,
+    /// Limits of the values.
+    pub(super) clip: Option<[f64; 2]>,
     pub(super) reason: String,
     /// Assumption to check.
     pub(super) assumed: String,
@@ -51,6 +57,7 @@ pub(super) struct Column {
 }
 
 /// Use of a column.
+#[derive(Clone)]
 pub(super) enum Use {
     Open,
     Time,
@@ -62,8 +69,15 @@ pub(super) enum Use {
 }
 
 impl Column {
-    pub(super) fn new(key: String, header: &str, unit: &str, values: ColumnValues) -> Self {
+    pub(super) fn new(
+        number: u32,
+        key: String,
+        header: &str,
+        unit: &str,
+        values: ColumnValues,
+    ) -> Self {
         Self {
+            number,
             toml_key: toml_string(&key).unwrap_or_default(),
             key,
             header: header.to_owned(),
@@ -84,6 +98,7 @@ impl Column {
             unit: None,
             scale: None,
             offset: None,
+            clip: None,
             reason: String::new(),
             assumed: String::new(),
             question: None,
@@ -94,14 +109,32 @@ impl Column {
     pub(super) fn give(&mut self, name: &str, mapped: &MappedColumn) {
         self.is_given = true;
         self.unit = Some(GuessedUnit::Unit(mapped.unit));
-        self.scale = Some(mapped.scale).filter(|&scale| scale != 1.0);
-        self.offset = Some(mapped.offset).filter(|&offset| offset != 0.0);
+        let Conversion {
+            scale,
+            offset,
+            clip,
+        } = mapped.conversion;
+        self.scale = Some(scale).filter(|&scale| scale != 1.0);
+        self.offset = Some(offset).filter(|&offset| offset != 0.0);
+        self.clip = clip;
         self.plausible.clone_from(&mapped.plausible);
         "the mapping states it".clone_into(&mut self.reason);
         self.role = match name {
             TIME => Use::Time,
             name => Use::Signal(name.to_owned()),
         };
+    }
+
+    /// Takes the first signal of a pair, and returns a column with the other one.
+    fn split(&mut self, pair: Pair) -> Self {
+        self.clip = Some([0.0, pair.full]);
+        let mut other = self.clone();
+        self.role = Use::Signal(pair.signals[0].to_owned());
+        other.role = Use::Signal(pair.signals[1].to_owned());
+        other.scale = Some(-1.0);
+        other.reason = format!("{}, at negative numbers", Excerpt::of(&self.key));
+        other.assumed.clear();
+        other
     }
 
     /// Returns name and unit of the signal.
@@ -126,7 +159,8 @@ impl Column {
                 || self.is_clock
                 || self.scale.is_some()
                 || self.thousands.is_some()
-                || self.plausible.is_some())
+                || self.plausible.is_some()
+                || self.clip.is_some())
     }
 
     /// Returns the unit in the notation of a mapping.
@@ -219,6 +253,7 @@ impl Draft {
                 .iter()
                 .any(|column| matches!(column.role, Use::Time));
         let guesses = guess::guess(&subjects, reference, has_own_time, &rise);
+        let mut others = Vec::new();
         for (index, guess) in open.into_iter().zip(guesses) {
             let column = &mut self.columns[index];
             (column.unit, column.scale) = (guess.unit, guess.scale);
@@ -252,7 +287,10 @@ impl Draft {
                 self.assumed.push(text);
                 column.assumed = assumed;
             }
+            others.extend(guess.pair.map(|pair| column.split(pair)));
         }
+        self.columns.extend(others);
+        self.columns.sort_by_key(|column| column.number);
         self.leave_names_to_the_first();
         for column in &mut self.columns {
             // The logger's own row of units may state a reference that its header does not.

@@ -18,7 +18,7 @@ const DISTANCE: f64 = 5.0;
 const LENGTH_MAX: usize = 3;
 
 /// Glitches of a column, and the range of its other numbers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Glitches {
     /// Glitches in the order of the file.
     pub(super) cells: Vec<f64>,

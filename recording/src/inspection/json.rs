@@ -7,13 +7,13 @@ use super::{InspectedColumn, Inspection, OpenPoint};
 use crate::PressureReference;
 
 /// Name and version of the JSON form of [`InspectedLogs`].
-pub const INSPECTION_SCHEMA: &str = "retarder.inspection/1";
+pub const INSPECTION_SCHEMA: &str = "retarder.inspection/2";
 
 /// Inspections of logs, for JSON.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InspectedLogs {
-    /// Name and version of this format, `retarder.inspection/1`.
+    /// Name and version of this format, `retarder.inspection/2`.
     pub schema: &'static str,
     /// Inspected logs, in the given order.
     pub logs: Vec<InspectedLog>,
@@ -79,10 +79,12 @@ pub struct InspectedLog {
     pub problem: Option<ProblemView>,
 }
 
-/// Column or channel of a log, for JSON.
+/// Column or channel of a log with one of its signals, for JSON.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnView {
+    /// Position in the file, from 1; the same for two signals of one column.
+    pub number: u32,
     /// Name in a mapping.
     pub key: String,
     /// Unit as the file states it; may be empty.
@@ -111,6 +113,8 @@ pub struct ColumnView {
     pub scale: Option<f64>,
     /// Number added after the factor; null for 0.
     pub offset: Option<f64>,
+    /// Range to which the values are limited; null if there is none.
+    pub clip: Option<[f64; 2]>,
     /// Separator of thousands; null if there is none.
     pub thousands_separator: Option<char>,
     /// Range outside which values count as missing, in the unit; null if there is none.
@@ -206,6 +210,7 @@ impl ColumnView {
     fn of(column: &InspectedColumn) -> Self {
         let number = |value: f64| (column.values.count > 0).then_some(value);
         Self {
+            number: column.number,
             key: column.key.clone(),
             unit_in_file: column.unit_in_file.clone(),
             rate_hz: column.rate_hz,
@@ -220,6 +225,7 @@ impl ColumnView {
             is_by_header: column.is_by_header,
             scale: column.scale,
             offset: column.offset,
+            clip: column.clip,
             thousands_separator: column.thousands,
             plausible: column
                 .plausible

@@ -146,6 +146,9 @@ fn lines_of(column: &Column) -> String {
     if let Some(scale) = column.scale {
         let _ = writeln!(text, "scale = {scale:?}");
     }
+    if let Some([least, greatest]) = column.clip {
+        let _ = writeln!(text, "clip = [{least:?}, {greatest:?}]");
+    }
     if let Some(range) = &column.plausible {
         let _ = writeln!(text, "plausible = [{:?}, {:?}]", range.start(), range.end());
     }

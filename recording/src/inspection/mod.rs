@@ -73,10 +73,12 @@ pub struct Inspection {
     pub trial: Result<Trial, LogError>,
 }
 
-/// Column or channel of a log.
+/// Column or channel of a log, with one of its signals.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct InspectedColumn {
+    /// Position in the file, from 1; the same for two signals of one column.
+    pub number: u32,
     /// Name in a mapping.
     pub key: String,
     /// Unit as the file states it; may be empty.
@@ -97,6 +99,8 @@ pub struct InspectedColumn {
     pub scale: Option<f64>,
     /// Number added after the factor.
     pub offset: Option<f64>,
+    /// Range to which the values are limited.
+    pub clip: Option<[f64; 2]>,
     /// Separator of thousands.
     pub thousands: Option<char>,
     /// Range outside which values count as missing, in the unit of the mapping.
@@ -350,6 +354,7 @@ impl Draft {
             .map(|duration_s| (count - 1) as f64 / duration_s);
         let signal = column.signal();
         InspectedColumn {
+            number: column.number,
             key: column.key.clone(),
             unit_in_file: column.unit_in_file.clone(),
             rate_hz: rate_hz.filter(|_| column.values.count > 0),
@@ -363,6 +368,7 @@ impl Draft {
             reason: column.reason.clone(),
             scale: column.scale,
             offset: column.offset,
+            clip: column.clip,
             thousands: column.thousands.filter(|_| !column.is_clock),
             plausible: column.plausible.clone(),
         }

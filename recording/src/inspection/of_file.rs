@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::Draft;
 use super::columns::{Column, Use, toml_string};
 use crate::csv::header::parse_heading_over_unit;
-use crate::csv::mapping::ColumnKey;
-use crate::csv::{self, Excerpt};
+use crate::csv::mapping::{ColumnKey, MappedColumn};
+use crate::csv::{self, Excerpt, Mapping};
 use crate::guess::TIME;
 use crate::table::Columns;
 use crate::values::ColumnValues;
@@ -46,7 +46,7 @@ impl Draft {
                 true => header.clone(),
                 false => number.to_string(),
             };
-            let mut column = Column::new(key, header, unit, found.values);
+            let mut column = Column::new(number, key, header, unit, found.values);
             if column.key != *header {
                 column.toml_key = number.to_string();
             }
@@ -61,15 +61,11 @@ impl Draft {
             column.is_clock = found.is_clock;
             column.samples = Arc::new(found.kept);
             let is_key = |key: &ColumnKey| key.is(number, header);
+            let given = Given::by(mapping, is_key);
             if let Some(time) = mapping.time.as_ref().filter(|time| is_key(&time.column)) {
                 column.give(TIME, time);
-            } else if let Some((name, mapped)) =
-                mapping.signals.iter().find(|(_, one)| is_key(&one.column))
-            {
-                column.give(name, mapped);
-            } else if mapping.ignore.iter().any(is_key) {
-                (column.role, column.is_given) = (Use::Ignored, true);
-                "the mapping ignores it".clone_into(&mut column.reason);
+            } else if given.is_any() {
+                given.to(&mut column);
             } else if field + 1 == width
                 && width > 1
                 && header.is_empty()
@@ -97,7 +93,7 @@ impl Draft {
                     });
                 }
             }
-            columns.push(column);
+            given.push(column, &mut columns);
         }
         missing_words.sort();
         missing_words.dedup();
@@ -146,9 +142,15 @@ impl Draft {
         }
         let mut rows = 0;
         let mut columns = Vec::with_capacity(survey.channels.len());
-        for channel in survey.channels {
+        for (number, channel) in (1..).zip(survey.channels) {
             rows = rows.max(channel.samples.len() as u64);
-            let mut column = Column::new(channel.key, &channel.name, &channel.unit, channel.values);
+            let mut column = Column::new(
+                number,
+                channel.key,
+                &channel.name,
+                &channel.unit,
+                channel.values,
+            );
             column.own = channel.own;
             let strict = parse_heading_over_unit(&channel.name, &channel.unit, None);
             column.needs_reference = column.own.is_some() && strict.is_err();
@@ -167,14 +169,9 @@ impl Draft {
                 ColumnKey::Header(wanted) => *wanted == column.key || *wanted == column.header,
                 ColumnKey::Number(_) => false,
             };
-            let given = mapping.signals.iter().find(|(_, one)| is_key(&one.column));
-            if mapping.ignore.iter().any(is_key) {
-                (column.role, column.is_given) = (Use::Ignored, true);
-                "the mapping ignores it".clone_into(&mut column.reason);
-            } else if let Some((name, mapped)) = given {
-                column.give(name, mapped);
-            }
-            columns.push(column);
+            let given = Given::by(mapping, is_key);
+            given.to(&mut column);
+            given.push(column, &mut columns);
         }
         let groups = match survey.groups {
             1 => "1 group".to_owned(),
@@ -210,15 +207,15 @@ impl Draft {
         let rows = rows.unwrap_or(0);
         let times = Arc::new((0..rows).map(|row| row as f64).collect::<Vec<_>>());
         let mut columns = Vec::with_capacity(table.columns.len());
-        for (index, found) in table.columns.into_iter().enumerate() {
+        for (number, found) in (1..).zip(table.columns) {
             let (samples, obstacle) = match found.numbers {
                 Ok(samples) => (samples, None),
                 Err(reason) => (Vec::new(), Some(reason)),
             };
             let values = ColumnValues::of(&samples);
-            let mut column = Column::new(found.key, &found.header, &found.unit, values);
+            let mut column = Column::new(number, found.key, &found.header, &found.unit, values);
             if column.toml_key.is_empty() {
-                column.toml_key = (index + 1).to_string();
+                column.toml_key = number.to_string();
             }
             let own =
                 |reference| parse_heading_over_unit(&found.header, &found.unit, reference).ok();
@@ -226,19 +223,14 @@ impl Draft {
             column.needs_reference = column.own.is_some() && own(None).is_none();
             column.obstacle = obstacle;
             (column.times, column.samples) = (Arc::clone(&times), Arc::new(samples));
-            let number = index as u32 + 1;
             let is_key = |key: &ColumnKey| key.is(number, &column.key);
             let time = mapping.time.as_ref().filter(|time| is_key(&time.column));
-            let given = mapping.signals.iter().find(|(_, one)| is_key(&one.column));
-            if let Some(time) = time {
-                column.give(TIME, time);
-            } else if let Some((name, mapped)) = given {
-                column.give(name, mapped);
-            } else if mapping.ignore.iter().any(is_key) {
-                (column.role, column.is_given) = (Use::Ignored, true);
-                "the mapping ignores it".clone_into(&mut column.reason);
+            let given = Given::by(mapping, is_key);
+            match time {
+                Some(time) => column.give(TIME, time),
+                None => given.to(&mut column),
             }
-            columns.push(column);
+            given.push(column, &mut columns);
         }
         let producer = table.producer.map_or_else(String::new, |name| {
             format!(", written by {}", Excerpt::of(&name))
@@ -256,5 +248,50 @@ impl Draft {
             bad_rows: 0,
             constants: mapping.constants.keys().cloned().collect(),
         }
+    }
+}
+
+/// Signals that a mapping takes from one column, and whether it ignores the column.
+struct Given<'a> {
+    signals: Vec<(&'a String, &'a MappedColumn)>,
+    is_ignored: bool,
+}
+
+impl<'a> Given<'a> {
+    fn by(mapping: &'a Mapping, is_key: impl Fn(&ColumnKey) -> bool) -> Self {
+        let signals = mapping.signals.iter();
+        Self {
+            signals: signals
+                .filter(|(_, mapped)| is_key(&mapped.column))
+                .collect(),
+            is_ignored: mapping.ignore.iter().any(is_key),
+        }
+    }
+
+    /// Returns whether the mapping says anything of the column.
+    fn is_any(&self) -> bool {
+        self.is_ignored || !self.signals.is_empty()
+    }
+
+    /// Gives the column what the mapping says of it.
+    fn to(&self, column: &mut Column) {
+        if let Some((name, mapped)) = self.signals.first() {
+            column.give(name, mapped);
+        } else if self.is_ignored {
+            (column.role, column.is_given) = (Use::Ignored, true);
+            "the mapping ignores it".clone_into(&mut column.reason);
+        }
+    }
+
+    /// Adds the column, once for each of its signals.
+    fn push(&self, column: Column, columns: &mut Vec<Column>) {
+        let others = self.signals.iter().skip(1).map(|(name, mapped)| {
+            let mut other = column.clone();
+            other.give(name, mapped);
+            other
+        });
+        let others: Vec<Column> = others.collect();
+        columns.push(column);
+        columns.extend(others);
     }
 }

@@ -7,7 +7,7 @@ use super::candidates::{Candidate, Candidates, Source};
 use super::error::{Located, of_file};
 use super::problem::Problem;
 use crate::csv::header::{Reference, parse_heading, parse_unit};
-use crate::csv::mapping::{ColumnKey, MappedColumn, Mapping};
+use crate::csv::mapping::{ColumnKey, Conversion, MappedColumn, Mapping};
 use crate::csv::{self, Excerpt};
 use crate::name::{check_name, is_time_column};
 use crate::proposal::signal_line;
@@ -23,8 +23,8 @@ pub(super) struct Column {
     /// Name of the channel in a mapping.
     pub(super) key: String,
     pub(super) source: Source,
-    /// Scale and offset of a mapping, if any: value = converted number * scale + offset.
-    pub(super) linear: Option<(f64, f64)>,
+    /// Conversion of a mapping, after that of the file.
+    pub(super) conversion: Conversion,
     pub(super) check_scale: bool,
     /// Range of the values; others count as missing.
     pub(super) plausible: Option<RangeInclusive<f64>>,
@@ -101,7 +101,7 @@ impl Choice {
                         unit,
                         key: format!("{:?}", channel.name),
                         source,
-                        linear: None,
+                        conversion: Conversion::NONE,
                         check_scale: true,
                         plausible: None,
                     });
@@ -167,7 +167,6 @@ fn mapped_column(
             reason: reason.clone(),
         })
     };
-    let linear = (mapped.scale, mapped.offset);
     Ok(Column {
         group: channel.group,
         name: name.to_owned(),
@@ -177,7 +176,7 @@ fn mapped_column(
             ColumnKey::Header(header) => format!("{header:?}"),
         },
         source: channel.source.as_ref().map_err(unusable)?.clone(),
-        linear: (linear != (1.0, 0.0)).then_some(linear),
+        conversion: mapped.conversion,
         check_scale: mapped.check_scale,
         plausible: mapped.plausible.clone(),
     })

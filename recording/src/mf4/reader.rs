@@ -168,10 +168,9 @@ impl Builder<'_> {
         for ((column, mut row), &not_a_number) in columns.iter().zip(rows).zip(counts) {
             row.truncate(kept.end);
             row.drain(..kept.start);
-            if let Some((scale, offset)) = column.linear {
-                row.iter_mut()
-                    .for_each(|value| *value = *value * scale + offset);
-            }
+            let conversion = column.conversion;
+            row.iter_mut()
+                .for_each(|value| *value = conversion.value(*value));
             if let Some(sample) = row.iter().position(|value| value.is_infinite()) {
                 let sample = kept.start + sample;
                 let reason = format!("sample {sample} is infinite; correct its conversion");

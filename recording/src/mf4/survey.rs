@@ -11,6 +11,7 @@ use super::error::Located;
 use super::reader::read_chosen;
 use super::structure::File;
 use crate::csv::Mapping;
+use crate::csv::mapping::Conversion;
 use crate::values::ColumnValues;
 use crate::{Provenance, Recording, Unit};
 
@@ -64,7 +65,7 @@ pub(crate) fn survey<R: Read + Seek>(
             unit: Unit::Count,
             key: String::new(),
             source: channel.source.as_ref().ok()?.clone(),
-            linear: None,
+            conversion: Conversion::NONE,
             check_scale: false,
             plausible: None,
         })

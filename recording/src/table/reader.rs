@@ -91,12 +91,10 @@ struct Chosen<'a> {
 }
 
 impl Chosen<'_> {
-    /// Returns the value of a logged number; without scale and offset every bit is unchanged.
+    /// Returns the value of a logged number.
     fn value(&self, logged: f64) -> f64 {
-        match self.mapped {
-            Some(one) if (one.scale, one.offset) != (1.0, 0.0) => logged * one.scale + one.offset,
-            _ => logged,
-        }
+        let converted = self.mapped.map(|mapped| mapped.conversion.value(logged));
+        converted.unwrap_or(logged)
     }
 
     /// Creates a problem of the column.

@@ -19,7 +19,7 @@ pub(crate) enum SchemaName {
     Diagnosis,
     /// retarder.estimation/1, of `refine` without --add
     Estimation,
-    /// retarder.inspection/1, of `inspect`
+    /// retarder.inspection/2, of `inspect`
     Inspection,
     /// retarder.refinement/2, of `refine --add`
     Refinement,

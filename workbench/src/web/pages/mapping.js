@@ -25,11 +25,11 @@ export function mappingForm(log, preview, apply) {
   if (columns.length === 0 || !isMappable(log)) return false;
   const header = element("input", { type: "checkbox", checked: dialect?.header ?? true });
   const skip = element("input", { type: "number", min: 0, value: dialect?.skip_lines ?? 0, class: "short" });
-  const rows = columns.map((column, index) => new Row(isText ? index + 1 : column.key, column, preview, use(column, isText)));
+  const rows = columns.map((column) => new Row(isText ? column.number : column.key, column, preview, use(column, isText)));
   const units = element("datalist", { id: `units-${log.number}` }, preview.units.map((unit) => element("option", { value: unit })));
   for (const row of rows) row.unit.setAttribute("list", units.id);
   const { column, message } = log.problem ?? {};
-  if (column) rows[column - 1]?.say(message);
+  if (column) rows.find((row) => row.inspected.number === column)?.say(message);
   const filter = new Filter(isText ? "columns" : "channels");
   filter.take(rows.map((row) => ({ line: row.line, get text() { return `${row.heading} ${row.signal}`; } })));
   const toml = element("textarea", { rows: 8, spellcheck: false, value: preview.mapping ?? "", placeholder: "schema = 1" });
@@ -69,7 +69,7 @@ export function mappingForm(log, preview, apply) {
 /** Returns columns without a guess for a file that could not be inspected. */
 function unknownColumns(lines) {
   const width = Math.max(...lines.map((line) => line.cells.length), 0);
-  return Array.from({ length: width }, (_, index) => ({ key: `${index + 1}`, unit_in_file: "", reason: "", is_by_header: true }));
+  return Array.from({ length: width }, (_, index) => ({ number: index + 1, key: `${index + 1}`, unit_in_file: "", reason: "", is_by_header: true }));
 }
 
 /** Returns the use of an inspected column; a channel needs no line that ignores it. */
@@ -172,7 +172,7 @@ class Row {
     return this.role.value === "by_header" ? null : {
       column, role: this.role.value, name: this.signal, unit: this.unit.value.trim(),
       scale: numberIn(this.scale), offset: numberIn(this.offset),
-      thousands_separator: inspected.thousands_separator, plausible: inspected.plausible,
+      thousands_separator: inspected.thousands_separator, plausible: inspected.plausible, clip: inspected.clip,
     };
   }
 }
