@@ -1,8 +1,8 @@
 //! Definitions of own effects in plant files: what is refused and how, what is kept, and any text.
 
-use plant_sim::PlantParameters;
 use plant_sim::own_effects::{POINTS, VARIABLES};
 use plant_sim::valve::ValveFunction;
+use plant_sim::{Command, PlantParameters, Simulator};
 use proptest::prelude::*;
 
 /// Definition in which each line may be replaced.
@@ -367,5 +367,53 @@ proptest! {
             Ok(plant) => prop_assert_eq!(read(&plant.to_toml()), Ok(plant)),
             Err(error) => prop_assert!(error.lines().all(|line| line.starts_with("rig.toml:")), "{}", error),
         }
+    }
+}
+
+/// Returns the chamber pressures (Pa abs) while the plant fills, vents and holds in between.
+fn pressures(plant: &PlantParameters) -> Vec<f64> {
+    let mut simulator = Simulator::new(plant);
+    let pressure = |tenth: u64| {
+        let (fill, vent) = match tenth {
+            2..4 => (100.0, 0.0),
+            30..31 => (0.0, 100.0),
+            _ => (0.0, 0.0),
+        };
+        simulator.command(Command {
+            duty_fill_pct: fill,
+            duty_vent_pct: vent,
+        });
+        simulator.advance_to_ns((tenth + 1) * 100_000_000);
+        simulator.sample().pressure
+    };
+    (0..60).map(pressure).collect()
+}
+
+/// Both laws are those of the same nozzle, so that further orifices need no effect of the library.
+#[test]
+fn an_orifice_of_an_own_effect_passes_as_much_as_that_of_the_library() {
+    for (flow, effect) in [
+        ("area * flux_ambient", "chamber_leak"),
+        ("-area * flux_supply", "supply_seat_leak"),
+    ] {
+        let nominal = PlantParameters::nominal().to_toml();
+        let own = format!(
+            "{nominal}\n[own_effects.hole]\nsentence = \"A hole.\"\nacts_on = \"leak_flow\"\nexpression = \"{flow}\"\n\
+             parameters.area = {{ typical = 3e-8, range = [1e-10, 1e-6], unit = \"m^2\" }}\n\
+             \n[effects.own.hole]\narea = 3e-8\n"
+        );
+        let library =
+            format!("{nominal}\n[effects.{effect}]\nvariant = \"orifice\"\narea_m2 = 3e-8\n");
+        let [own, library, tight] =
+            [&own, &library, &nominal].map(|text| pressures(&read(text).unwrap()));
+        let largest = |other: &[f64]| {
+            let differences = own
+                .iter()
+                .zip(other)
+                .map(|(one, other)| (one - other).abs());
+            differences.fold(0.0, f64::max)
+        };
+        assert!(largest(&tight) > 0.1e5, "{effect}: {}", largest(&tight));
+        assert!(largest(&library) < 20.0, "{effect}: {}", largest(&library));
     }
 }

@@ -1,6 +1,7 @@
 //! Variables of the expression of a user's own effect: states and commands of the plant.
 
 use crate::hooks::Now;
+use crate::orifice::NozzleLaw;
 use crate::plant::{FILL, Plant, VENT};
 use crate::valve::Valve;
 
@@ -25,6 +26,8 @@ pub(super) struct Constants {
     temperature: f64,
     /// Both valves.
     valves: [Valve; 2],
+    /// Law of the flow through an orifice.
+    nozzle: NozzleLaw,
 }
 
 impl Constants {
@@ -32,6 +35,7 @@ impl Constants {
         Self {
             temperature: temperature_k,
             valves: plant.valves.clone(),
+            nozzle: plant.nozzle.clone(),
         }
     }
 }
@@ -49,7 +53,7 @@ fn open(now: &Now, constants: &Constants, valve: usize) -> f64 {
 }
 
 /// All variables. A pressure is absolute.
-pub static VARIABLES: [Variable; 15] = [
+pub static VARIABLES: [Variable; 17] = [
     Variable {
         name: "p",
         unit: "Pa",
@@ -70,6 +74,26 @@ pub static VARIABLES: [Variable; 15] = [
         range: (5e4, 1.1e5),
         about: "ambient pressure, absolute",
         read: |now, _| now.ambient_pressure,
+    },
+    Variable {
+        name: "flux_ambient",
+        unit: "kg/s/m^2",
+        range: (-300.0, 6000.0),
+        about: "mass flow of an orifice from the chamber to the surroundings, per effective area",
+        read: |now, constants| {
+            let nozzle = &constants.nozzle;
+            nozzle.mass_flow(1.0, now.pressure, now.ambient_pressure)
+        },
+    },
+    Variable {
+        name: "flux_supply",
+        unit: "kg/s/m^2",
+        range: (-6000.0, 6000.0),
+        about: "mass flow of an orifice from the supply to the chamber, per effective area",
+        read: |now, constants| {
+            let nozzle = &constants.nozzle;
+            nozzle.mass_flow(1.0, now.supply_pressure, now.pressure)
+        },
     },
     Variable {
         name: "time",

@@ -539,7 +539,7 @@ fn a_plant_without_valves_where_both_are_needed() {
         ]
         .concat(),
         &[
-            "the plant has no armature of the fill valve",
+            "the plant has no fill valve that is commanded",
             "planned for both valves and the chamber",
         ],
     );
