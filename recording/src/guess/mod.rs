@@ -267,7 +267,9 @@ impl Reading {
             (values.least, values.greatest) == (-full, full)
                 && (is_of_valve || values.are_whole && full == 1.0)
         });
-        if let (None | Some(M::Duty), Some(full)) = (self.kind, full) {
+        // A letter such as `u` also names the command of a controller.
+        let is_open = of_unit.is_none() && long.is_none();
+        if let Some(full) = full.filter(|_| is_open || self.kind == Some(M::Duty)) {
             self.kind = Some(M::Duty);
             self.pair = Some(Pair {
                 full,

@@ -205,7 +205,7 @@ fn beside_a_pressure(header: &str, numbers: &[f64]) -> ColumnGuess {
 
 #[test]
 fn a_command_of_both_valves_fills_at_positive_numbers_unless_the_pressure_says_otherwise() {
-    for (header, full) in [("state", 1.0), ("valve command", 100.0)] {
+    for (header, full) in [("state", 1.0), ("u", 1.0), ("valve command", 100.0)] {
         let found = beside_a_pressure(header, &[0.0, full, -full]);
         let pair = found.pair.unwrap();
         assert_eq!((pair.full, pair.signals), (full, DUTIES));
@@ -217,6 +217,7 @@ fn a_command_of_both_valves_fills_at_positive_numbers_unless_the_pressure_says_o
         None
     );
     assert_eq!(beside_a_pressure("state", &[0.5, 1.0, -1.0]).pair, None);
+    assert_eq!(beside_a_pressure("voltage", &[0.0, 1.0, -1.0]).pair, None);
 }
 
 #[test]

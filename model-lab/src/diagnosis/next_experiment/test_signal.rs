@@ -50,7 +50,7 @@ struct Plan {
 static PLANS: [Plan; 9] = [
     Plan {
         name: "hold at two pressures",
-        about: "leaks and offsets: what moves while nothing is commanded, high and low",
+        about: "leaks and offsets: what moves while both valves are shut, high and low",
         round: |driver, _| {
             driver.fill_to(100.0, HIGH);
             driver.hold(4.0);
