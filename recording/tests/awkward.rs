@@ -42,6 +42,7 @@ const LOGS: &[(&str, Needs, usize, usize, Option<&str>)] = &[
     ("several-rates.mf4", Needs::Nothing, 395, 0, Some("2026-11-23 13:05:06 UTC")),
     ("short-names.csv", Needs::Gauge, 80, 0, None),
     ("slow-sensor.csv", Needs::Nothing, 80, 64, None),
+    ("state-of-both.csv", Needs::Mapping, 80, 0, None),
     ("thousands.csv", Needs::Mapping, 80, 0, None),
     ("time-of-day.csv", Needs::Mapping, 80, 0, None),
     ("units-row.csv", Needs::Mapping, 80, 0, None),
@@ -150,7 +151,10 @@ fn every_awkward_log_comes_in_as_it_is_or_with_the_mapping_of_its_inspection() {
         for (signal, full) in [("duty_fill", 60.0), ("duty_vent", 80.0)] {
             let duty = recording.signal(signal).unwrap();
             let duty = duty.values_in(recording::Unit::Percent).unwrap();
-            let full = if matches!(name, "pwm-counts.csv" | "short-names.csv") {
+            let full = if matches!(
+                name,
+                "pwm-counts.csv" | "short-names.csv" | "state-of-both.csv"
+            ) {
                 100.0
             } else {
                 full
