@@ -4,7 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use recording::csv::Mapping;
-use recording::{Inspection, LogOptions, PressureReference, inspect_file, read_log_file};
+use recording::table::{write_matlab, write_parquet};
+use recording::{
+    Inspection, LogOptions, PressureReference, Provenance, Recording, TimeBase, Unit, inspect_file,
+    mf4, read_log_file,
+};
 
 /// Writes a file and inspects it.
 fn inspected_with(
@@ -619,5 +623,41 @@ fn a_state_of_both_valves_becomes_two_commands() {
         let columns = again.columns.iter().filter(|column| column.key == "y");
         let signals: Vec<_> = columns.map(|column| column.signal.as_deref()).collect();
         assert_eq!(signals, [Some("duty_fill"), Some("duty_vent")]);
+    }
+}
+
+#[test]
+fn a_state_of_both_valves_is_read_in_every_format() {
+    let mut log = Recording::new(Provenance::from_source("bench"));
+    let base = log.add_time_base(TimeBase::uniform(0.0, 0.01, 5).unwrap());
+    let (state, pressure) = (
+        vec![0.0, 1.0, 0.0, -1.0, 0.0],
+        vec![0.0, 0.0, 2.0, 2.0, 1.0],
+    );
+    log.add_signal("valve_state", Unit::Fraction, base, state)
+        .unwrap();
+    log.add_signal("p_ch", Unit::BarGauge, base, pressure)
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in [
+        ("bench.mf4", mf4::write(Vec::new(), &log).unwrap()),
+        (
+            "bench.parquet",
+            write_parquet(Vec::new(), &log, base).unwrap(),
+        ),
+        ("bench.mat", write_matlab(Vec::new(), &log, base).unwrap()),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        let inspection = inspect_file(&path, &LogOptions::default(), None).unwrap();
+        assert!(inspection.is_ready(), "{name}: {inspection:#?}");
+        let options = LogOptions {
+            mapping: Mapping::parse("proposed", inspection.mapping.as_ref().unwrap()).unwrap(),
+            ..LogOptions::default()
+        };
+        let again = read_log_file(&path, &options).unwrap();
+        let values = |name: &str| again.signal(name).unwrap().values_or_nan().to_vec();
+        assert_eq!(values("duty_fill"), [0.0, 1.0, 0.0, 0.0, 0.0], "{name}");
+        assert_eq!(values("duty_vent"), [0.0, 0.0, 0.0, 1.0, 0.0], "{name}");
     }
 }
