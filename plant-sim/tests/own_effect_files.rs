@@ -2,7 +2,7 @@
 
 use plant_sim::own_effects::{POINTS, VARIABLES};
 use plant_sim::valve::ValveFunction;
-use plant_sim::{Command, PlantParameters, Simulator};
+use plant_sim::{Command, PlantParameters, Simulator, Tolerance};
 use proptest::prelude::*;
 
 /// Definition in which each line may be replaced.
@@ -372,7 +372,8 @@ proptest! {
 
 /// Returns the chamber pressures (Pa abs) while the plant fills, vents and holds in between.
 fn pressures(plant: &PlantParameters) -> Vec<f64> {
-    let mut simulator = Simulator::new(plant);
+    // With the default tolerance, the two ways of integration differ by 50 Pa; they agree as both converge.
+    let mut simulator = Simulator::with_tolerance(plant, Tolerance::scaled(0.1));
     let pressure = |tenth: u64| {
         let (fill, vent) = match tenth {
             2..4 => (100.0, 0.0),
@@ -414,6 +415,6 @@ fn an_orifice_of_an_own_effect_passes_as_much_as_that_of_the_library() {
             differences.fold(0.0, f64::max)
         };
         assert!(largest(&tight) > 0.1e5, "{effect}: {}", largest(&tight));
-        assert!(largest(&library) < 20.0, "{effect}: {}", largest(&library));
+        assert!(largest(&library) < 2.0, "{effect}: {}", largest(&library));
     }
 }
