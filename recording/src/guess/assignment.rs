@@ -110,7 +110,7 @@ pub(super) fn name_pressures(columns: &[Subject<'_>], readings: &mut [Reading]) 
 const CLEAR_RISE: f64 = 0.2;
 
 /// Names the valves of a column that commands both, by the direction in which the pressure goes at positive numbers.
-/// Where columns of single valves have a name, such a column is no command.
+/// It is not taken as a command if another column is named as that of one valve, or if there are several like it.
 pub(super) fn name_pair(
     readings: &mut [Reading],
     pressure: Option<usize>,

@@ -11,7 +11,6 @@ use super::result::Limits;
 const DELAY_ROWS: f64 = 3.0;
 /// Longest wait for a pressure (s).
 const LONGEST_WAIT_S: f64 = 4.0;
-
 /// Time at the start in which nothing happens (s), so that the noise of every signal shows.
 const REST_S: f64 = 0.5;
 
@@ -204,7 +203,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// Opens a valve for some PWM periods. One that switches is open for the same share of as many of its cycles, in one piece.
+    /// Opens a valve for a share of some PWM periods. One that switches opens once, for the same share of as many of its cycles.
     pub(super) fn pulse(&mut self, valve: usize, opening_pct: f64, periods: u32) {
         match self.drives[valve] {
             Drive::Opens | Drive::Shuts => {

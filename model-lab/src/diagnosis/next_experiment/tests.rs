@@ -164,7 +164,7 @@ fn a_normally_open_vent_valve_is_driven_wherever_the_air_is_to_stay() {
         let is_shut = |duties: &&[f64; 2]| duties[FILL] == 0.0 || duties[VENT] == 100.0;
         assert!(sequence.duties.iter().all(|duties| is_shut(&duties)));
         let [open, closed] = [sequence.highest_bar, closed.highest_bar];
-        // A coil that warms keeps the air in here, and vents there.
+        // While its coil warms, this valve keeps the air in, and a normally closed one vents.
         assert!(open > closed - 0.3, "{}: {open} {closed}", sequence.name);
     }
     let hold = sequences
