@@ -5,6 +5,10 @@
 //! therefore the same at each voltage U and resistance R if each duty limit is multiplied by U₀/U · R/R₀. Both duty
 //! cycles are linear in the limits, so the product is taken once, of the duty cycle. This leaves the sample of the
 //! controller as it is.
+//!
+//! A normally open vent valve opens where the current of its coil, which decays with τ = L/R, falls below the one that
+//! holds it shut. A current that is k times lower reaches this level τ ln k sooner, so that its duty cycle is not
+//! multiplied but shifted (docs/equations.md).
 
 use crate::duty::Duty;
 use crate::error::ConfigError;
@@ -51,14 +55,51 @@ impl DutyScale {
         Duty::saturating_from_bits(self.limit(duty.to_bits()))
     }
 
-    /// Returns the duty cycle of a valve that a current shuts: the share of time without current. The current of the
-    /// rest of the period is multiplied by the factor. A shut valve stays shut with full current.
+    /// Returns the logarithm to base two, 2⁻¹⁶, to 0.001; that of the least factor for 0.
     #[inline(always)]
-    pub fn duty_without_current(self, duty: Duty) -> Duty {
+    fn log2(self) -> i32 {
+        let bits = self.0.max(1);
+        let zeros = bits.leading_zeros();
+        // The leading one is the highest bit; four bits behind it choose the cell, sixteen the place within it.
+        let mantissa = bits << zeros;
+        let cell = (mantissa >> 27) as usize & 15;
+        let within = mantissa >> 11 & 0xFFFF;
+        let (low, high) = (LOG2[cell], LOG2[cell + 1]);
+        let fraction = low.wrapping_add(high.wrapping_sub(low).wrapping_mul(within) >> 16);
+        let exponent = 15_i32.wrapping_sub(zeros as i32);
+        (exponent << 16).wrapping_add(fraction as i32)
+    }
+}
+
+/// log₂(1 + n/16), 2⁻¹⁶.
+const LOG2: [u32; 17] = [
+    0, 5_732, 11_136, 16_248, 21_098, 25_711, 30_109, 34_312, 38_336, 42_196, 45_904, 49_472,
+    52_911, 56_229, 59_434, 62_534, 65_536,
+];
+
+/// Shift of the duty cycles of a valve that a current shuts: the share of time without current becomes this much shorter (%,
+/// 2⁻¹⁶).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ReleaseShift(i32);
+
+impl ReleaseShift {
+    /// No shift: the duty limits as they are set.
+    pub const NONE: Self = Self(0);
+
+    /// Returns a duty limit (%, 2⁻¹⁶, 0 ..= 100 %), shifted. It may be above 100 %: then no duty cycle reaches the limit.
+    #[inline(always)]
+    pub const fn limit(self, limit: i32) -> i32 {
+        limit.wrapping_sub(self.0)
+    }
+
+    /// Returns the shifted duty cycle. A shut valve stays shut.
+    #[inline(always)]
+    pub fn duty(self, duty: Duty) -> Duty {
         if duty.is_off() {
             return Duty::OFF;
         }
-        self.duty(duty.complement()).complement()
+        Duty::saturating_from_bits(self.limit(duty.to_bits()))
     }
 }
 
@@ -83,7 +124,12 @@ pub struct SupplyCompensation {
     nominal_resistance: u32,
     /// A quarter of 1/U₀ (1/mV), 2⁻³².
     gain: u32,
+    /// Shift of the duty cycles of a normally open vent valve for a factor of two (%), 2⁻¹⁶.
+    release_per_octave: i32,
 }
+
+/// Natural logarithm of two, 2⁻¹⁶.
+const LN_2: i64 = 45_426;
 
 /// Lowest and highest supply voltage that the duty limits follow (mV): below, no coil of a 24 V valve opens it; above, a
 /// load dump ends.
@@ -127,6 +173,7 @@ impl SupplyCompensation {
             Field::NominalResistance,
             compensation.nominal_resistance_ohm
         ));
+        let shift = propagate!(checked(Field::ReleaseShift, compensation.release_shift_pct));
         let nominal_mv = ((voltage as i64).wrapping_mul(1000) >> 16) as u32;
         // The voltage is at least 9 V, so the lowest bit, which keeps the divisor from zero, changes nothing. The division
         // is one of the configuration, not of a sample.
@@ -135,7 +182,16 @@ impl SupplyCompensation {
             nominal_mv,
             nominal_resistance: resistance as u32,
             gain,
+            release_per_octave: ((shift as i64).wrapping_mul(LN_2) >> 16) as i32,
         }))
+    }
+
+    /// Returns the shift of a normally open vent valve with this factor of the duty limits.
+    #[inline(always)]
+    pub fn release_shift(&self, scale: DutyScale) -> ReleaseShift {
+        // At most 2²³ · 2²¹, which the shift reduces to 2²⁸.
+        let shift = i64::from(self.release_per_octave).wrapping_mul(scale.log2().into()) >> 16;
+        ReleaseShift(shift as i32)
     }
 
     /// Returns the factor of the duty limits at this supply voltage (mV) and ratio of the resistance.
@@ -340,17 +396,39 @@ mod tests {
     }
 
     #[test]
-    fn the_share_of_time_without_current_falls_when_more_current_is_needed() {
+    fn the_logarithm_of_a_factor_is_exact_to_a_thousandth() {
+        let factors = (1..=2000).map(|n| DutyScale::saturating_from_bits(n * 521));
+        for scale in factors.chain([DutyScale::ONE, DutyScale(DutyScale::MAX)]) {
+            let exact = (f64::from(scale.to_bits()) / 65_536.0).log2();
+            let error = f64::from(scale.log2()) / 65_536.0 - exact;
+            assert!(error.abs() < 1e-3, "{scale:?}: {error}");
+        }
+        assert_eq!(DutyScale::ONE.log2(), 0);
+        assert_eq!(DutyScale(0).log2(), DutyScale(1).log2());
+    }
+
+    /// Where e times the mean voltage is needed, the share of time without current is shorter by the setting.
+    #[test]
+    fn a_normally_open_valve_is_left_without_current_for_less_time_when_more_is_needed() {
+        let shift = |factor: f64| {
+            let bits = (factor * 65_536.0) as u32;
+            nominal().release_shift(DutyScale::saturating_from_bits(bits))
+        };
         let half = Duty::saturating_from_bits(50 << 16);
-        let scale = DutyScale::saturating_from_bits(3 << 15);
-        assert_eq!(
-            scale.duty_without_current(half),
-            Duty::saturating_from_bits(25 << 16)
-        );
-        assert_eq!(scale.duty_without_current(Duty::FULL), Duty::FULL);
-        for bits in [1 << 15, 3 << 15] {
-            let scale = DutyScale::saturating_from_bits(bits);
-            assert_eq!(scale.duty_without_current(Duty::OFF), Duty::OFF);
+        for (factor, percent) in [
+            (core::f64::consts::E, 8.5),
+            (1.0, 50.0),
+            (0.75, 61.94),
+            (0.2, 100.0),
+        ] {
+            let found = f64::from(shift(factor).duty(half).to_bits()) / 65_536.0;
+            assert!((found - percent).abs() < 0.05, "{factor}: {found}");
+        }
+        assert_eq!(shift(8.0).duty(half), Duty::OFF);
+        // At a high voltage, no duty cycle certainly opens the valve.
+        assert!(shift(0.5).limit(75 << 16) > Duty::FULL.to_bits());
+        for factor in [0.5, 1.5] {
+            assert_eq!(shift(factor).duty(Duty::OFF), Duty::OFF);
         }
     }
 
@@ -396,6 +474,7 @@ mod tests {
             Some(Compensation {
                 nominal_voltage_v: I16F16::lit("24"),
                 nominal_resistance_ohm: I16F16::lit("82.2"),
+                release_shift_pct: I16F16::lit("41.5"),
             })
         );
     }

@@ -29,7 +29,9 @@ mod table;
 mod tolerance;
 mod trace;
 
-pub use compensation::{CoilMeasurement, DutyScale, ResistanceRatio, SupplyCompensation};
+pub use compensation::{
+    CoilMeasurement, DutyScale, ReleaseShift, ResistanceRatio, SupplyCompensation,
+};
 pub use config::Config;
 pub use control_signal::ControlSignal;
 pub use duty::Duty;

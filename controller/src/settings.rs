@@ -76,7 +76,8 @@ pub struct Pulses {
     pub leak_max_bar_per_s: I16F16,
 }
 
-/// Supply voltage and coil resistance at which the duty limits were found. The limits are multiplied by U₀/U · R/R₀.
+/// Supply voltage and coil resistance at which the duty limits were found. The limits are multiplied by U₀/U · R/R₀; those
+/// of a normally open vent valve are shifted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Compensation {
@@ -84,6 +85,8 @@ pub struct Compensation {
     pub nominal_voltage_v: I16F16,
     /// Resistance R₀ of a coil at the temperature at which the limits were found (ohm).
     pub nominal_resistance_ohm: I16F16,
+    /// Shift of the duty cycles of a normally open vent valve (%) where its coil needs e times the mean voltage.
+    pub release_shift_pct: I16F16,
 }
 
 /// Anti-windup: keeps the integral part from growing while a valve cannot open further (section 6.5.1).
@@ -331,6 +334,7 @@ impl Settings {
             compensation: Some(Compensation {
                 nominal_voltage_v: I16F16::lit("24"),
                 nominal_resistance_ohm: I16F16::lit("82.2"),
+                release_shift_pct: I16F16::lit("41.5"),
             }),
             ..Settings::thesis()
         };

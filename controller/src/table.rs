@@ -21,6 +21,7 @@ const NO_BOOST: Boost = Boost {
 const NO_COMPENSATION: Compensation = Compensation {
     nominal_voltage_v: ZERO,
     nominal_resistance_ohm: ZERO,
+    release_shift_pct: ZERO,
 };
 
 const NO_PULSES: Pulses = Pulses {
@@ -199,6 +200,10 @@ crate::settings_table! {
         "resistance R_0 of a coil at the temperature at which the duty limits were found; the nominal plant's is that at 20 °C",
         compensation { nominal_resistance_ohm:
             Settings { compensation: Some(Compensation { nominal_resistance_ohm: x, .. }), .. } });
+    ReleaseShift: number ("release_shift_pct" ["%"] "0" ..= "100",
+        "shift of the duty cycles of a normally open vent valve where U_0/U R/R_0 is e: the current of its coil decays that much sooner; 0: none",
+        compensation { release_shift_pct:
+            Settings { compensation: Some(Compensation { release_shift_pct: x, .. }), .. } });
 
     Pulses: choice ("pulses" Section,
         "model-based pulses in place of PID controller and distributor; without the table [pulses] they are off",

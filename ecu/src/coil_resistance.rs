@@ -145,9 +145,11 @@ impl CoilResistances {
         if is_steady && let Some(current_ma) = limits.coil_current(inputs.current_vent_ma) {
             self.vent.sample(compensation, current_ma, supply_mv);
         }
+        let vent = compensation.scale(supply_mv, self.vent.ratio(&self.fill));
         DutyScales {
             fill: compensation.scale(supply_mv, self.fill.ratio(&self.vent)),
-            vent: compensation.scale(supply_mv, self.vent.ratio(&self.fill)),
+            vent,
+            release: compensation.release_shift(vent),
         }
     }
 

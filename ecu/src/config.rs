@@ -1,7 +1,7 @@
 //! Configuration: checked settings, converted into limits in the units of a sample.
 
 use controller::fixed::types::I16F16;
-use controller::{Config, Distributor, Duty};
+use controller::{Config, Distributor};
 
 use crate::duty_scales::DutyScales;
 use crate::error::EcuConfigError;
@@ -155,10 +155,7 @@ impl Limits {
             fill: scales.fill.limit(self.open_fill),
             vent: match vent_valve {
                 VentValve::NormallyClosed => scales.vent.limit(self.open_vent),
-                VentValve::NormallyOpen => {
-                    let open = Duty::saturating_from_bits(self.open_vent);
-                    scales.vent.duty_without_current(open).to_bits()
-                }
+                VentValve::NormallyOpen => scales.release.limit(self.open_vent),
             },
         }
     }

@@ -282,12 +282,16 @@ impl EcuState {
     /// Returns the valve openings whose coil currents are those of `output` at nominal voltage and resistance.
     #[inline(always)]
     fn compensated(&self, config: &EcuConfig, output: Output) -> Output {
-        let DutyScales { fill, vent } = self.scales;
+        let DutyScales {
+            fill,
+            vent,
+            release,
+        } = self.scales;
         match config.vent_valve {
             VentValve::NormallyClosed => output.scaled(fill, vent),
             VentValve::NormallyOpen => Output {
                 duty_fill: fill.duty(output.duty_fill),
-                duty_vent: vent.duty_without_current(output.duty_vent),
+                duty_vent: release.duty(output.duty_vent),
             },
         }
     }

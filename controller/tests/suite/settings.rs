@@ -160,19 +160,23 @@ fn each_bound_of_tolerance_and_boost_is_the_last_allowed_value() {
 
 #[test]
 fn each_bound_of_the_compensation_is_the_last_allowed_value() {
-    let with = |nominal_voltage_v, nominal_resistance_ohm| Settings {
+    let with = |nominal_voltage_v, nominal_resistance_ohm, release_shift_pct| Settings {
         compensation: Some(Compensation {
             nominal_voltage_v,
             nominal_resistance_ohm,
+            release_shift_pct,
         }),
         ..bare()
     };
-    let voltage = |value| with(value, lit("82.2"));
+    let voltage = |value| with(value, lit("82.2"), lit("0"));
     check(Field::NominalVoltage, "9", -1, voltage);
     check(Field::NominalVoltage, "36", 1, voltage);
-    let resistance = |value| with(lit("24"), value);
+    let resistance = |value| with(lit("24"), value, lit("0"));
     check(Field::NominalResistance, "1", -1, resistance);
     check(Field::NominalResistance, "1000", 1, resistance);
+    let shift = |value| with(lit("24"), lit("82.2"), value);
+    check(Field::ReleaseShift, "0", -1, shift);
+    check(Field::ReleaseShift, "100", 1, shift);
 }
 
 #[test]

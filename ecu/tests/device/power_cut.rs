@@ -69,7 +69,7 @@ fn a_save_that_is_cut_leaves_the_old_settings_or_the_new() {
     }
     assert_eq!(outcomes.iter().sum::<usize>(), 2 * TOUCHED * CUTS.len());
     // Both outcomes occur: near the end the record is whole before its filling is, which gets shorter with each setting.
-    assert!(outcomes[0] > 4_000 && outcomes[1] > 50, "{outcomes:?}");
+    assert!(outcomes[0] > 4_000 && outcomes[1] > 20, "{outcomes:?}");
 }
 
 #[test]
