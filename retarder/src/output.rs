@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{self, ExitCode};
 
 use recording::csv::{Decimals, WriteError};
 use recording::{InspectedLogs, LogFormat, Recording, table};
@@ -12,6 +12,11 @@ use crate::page;
 use crate::print::{self, Terminal};
 use crate::run::{Answer, Outcome};
 use crate::targets::{Existing, Targets, is_standard_output};
+
+/// Exit status of a command that failed.
+const FAILED: u8 = 2;
+/// Start of the line, emptied.
+const CLEARED_LINE: &str = "\r\x1b[2K";
 
 /// Writes the requested files and prints the rest. The answer decides the exit status.
 pub(crate) fn deliver((outcome, mut targets): (Outcome, Targets)) -> Result<Answer, Failure> {
@@ -93,11 +98,26 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
         Ok(Answer::PlantFileWrong) => ExitCode::from(3),
         Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
-            let text = print::failure(&failure, &Terminal::standard_error());
-            let _ = anstream::stderr().write_all(text.as_bytes());
-            ExitCode::from(2)
+            say(&failure);
+            ExitCode::from(FAILED)
         }
     }
+}
+
+/// Ends the process with a failure.
+pub(crate) fn exit(failure: Failure) -> ! {
+    let mut stderr = anstream::stderr();
+    if stderr.is_terminal() {
+        // A progress bar may be there.
+        let _ = stderr.write_all(CLEARED_LINE.as_bytes());
+    }
+    say(&failure);
+    process::exit(FAILED.into())
+}
+
+fn say(failure: &Failure) {
+    let text = print::failure(failure, &Terminal::standard_error());
+    let _ = anstream::stderr().write_all(text.as_bytes());
 }
 
 /// Returns the data that a device recorded or measured, as CSV.

@@ -2,7 +2,6 @@
 
 use core::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use model_lab::diagnosis::result::{StepKind, Verdict};
 use model_lab::diagnosis::{
@@ -71,25 +70,21 @@ pub(crate) fn estimate(task: Task) -> Result<EstimatedPlant, Failure> {
     Ok(EstimatedPlant { task, estimated })
 }
 
-/// Runs long work with a progress bar; Ctrl-C stops it.
+/// Runs long work with a progress bar; Ctrl-C ends it at once.
 pub(super) fn watched<T, E>(
     work: impl FnOnce(&(dyn Fn(Stage) -> ControlFlow<()> + Sync)) -> Result<T, E>,
 ) -> Result<T, Failure>
 where
     Failure: From<E>,
 {
-    let is_interrupted = interrupt::flag()?;
     let progress = Progress::of_stages();
-    Ok(work(&|stage| see(&progress, stage, is_interrupted))?)
-}
-
-fn see(progress: &Progress, stage: Stage, is_interrupted: &AtomicBool) -> ControlFlow<()> {
-    progress.reach(stage.stage, stage.done);
-    if is_interrupted.load(Ordering::Relaxed) {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
-    }
+    let done = interrupt::at_once(|| {
+        work(&|stage| {
+            progress.reach(stage.stage, stage.done);
+            ControlFlow::Continue(())
+        })
+    })?;
+    Ok(done?)
 }
 
 /// File that the proposed command writes.

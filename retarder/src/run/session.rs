@@ -1,5 +1,7 @@
 //! Report of a whole session: logs, comparisons, diagnosis, and the loop on the plant as given and as refined.
 
+use std::sync::atomic::AtomicBool;
+
 use hil_harness::{OperatingConditions, Scenario};
 use model_lab::CompareOptions;
 use plant_sim::PlantParameters;
@@ -41,6 +43,10 @@ pub(crate) struct Reported {
 
 /// Runs every part that the plant description allows.
 pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
+    interrupt::at_once(|| parts(task))?
+}
+
+fn parts(task: Task) -> Result<Reported, Failure> {
     let Task {
         subject,
         controller,
@@ -50,7 +56,6 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         requirements,
         without,
     } = task;
-    let is_interrupted = interrupt::flag()?;
     let plant = subject.plant.clone();
     let mut inputs = inputs(&subject, &controller);
     inputs.extend(requirements.input());
@@ -59,7 +64,6 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
         .iter()
         .chain(&subject.check)
         .map(|log| {
-            interrupt::check(is_interrupted)?;
             let options = CompareOptions::default();
             compare::run(plant.clone(), log.clone(), &options, None)
         })
@@ -72,6 +76,8 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
     let mut not_run = Vec::new();
     let mut loops = Vec::new();
     if !without.contains(&ReportPart::Control) {
+        // No file is being written yet: Ctrl-C ends the process.
+        let never = AtomicBool::new(false);
         match plant.clone().for_control() {
             Ok(whole) => {
                 let on = |name: String, parameters: PlantParameters| {
@@ -87,7 +93,7 @@ pub(crate) fn run(task: Task) -> Result<Reported, Failure> {
                         conditions,
                         requirements: requirements.clone(),
                     };
-                    control::run(scenario, rigs, is_interrupted)
+                    control::run(scenario, rigs, &never)
                 };
                 loops.push(on(whole.name.clone(), whole.parameters)?);
                 if let Some((name, refined)) = diagnosed.as_ref().and_then(refined) {

@@ -436,6 +436,6 @@ fn ctrl_c_ends_a_diagnosis_and_leaves_no_file() {
         (Some(2), ""),
         "{err}"
     );
-    assert_contains(&err, &["error: stopped; nothing was written"]);
+    assert_contains(&err, &["error: interrupted; nothing was written"]);
     assert_eq!(bench.files(), ["bench.csv"]);
 }
