@@ -30,6 +30,7 @@ use cli::Cli;
 use files::Files;
 
 fn main() -> ExitCode {
+    interrupt::set_end(output::exit);
     let matches = match Cli::command().try_get_matches() {
         Ok(matches) => matches,
         Err(error) => match exchanged::explained(&error) {

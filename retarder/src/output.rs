@@ -105,13 +105,13 @@ pub(crate) fn exit_code(ended: Result<Answer, Failure>) -> ExitCode {
 }
 
 /// Ends the process with a failure.
-pub(crate) fn exit(failure: Failure) -> ! {
+pub(crate) fn exit(failure: &Failure) -> ! {
     let mut stderr = anstream::stderr();
     if stderr.is_terminal() {
         // A progress bar may be there.
         let _ = stderr.write_all(CLEARED_LINE.as_bytes());
     }
-    say(&failure);
+    say(failure);
     process::exit(FAILED.into())
 }
 

@@ -36,9 +36,10 @@ pub fn pulse_step(
     let reference = input.reference.saturated_to_control_range().to_bits();
     run.advance(PERIOD_US);
     let is_moving = leak.sample(config.leak_max, run, pressure);
-    let target = reference.wrapping_add(leak.lead());
     if run.phase == Phase::Shut {
-        let error = target.wrapping_sub(pressure);
+        let error = reference
+            .wrapping_add(leak.lead_of_begin())
+            .wrapping_sub(pressure);
         if error < config.tolerance && error > config.tolerance.wrapping_neg() {
             return Output::OFF;
         }
@@ -47,7 +48,7 @@ pub fn pulse_step(
     let choice = Choice {
         config,
         pressure,
-        target,
+        target: reference.wrapping_add(leak.lead_of_landing(config.tolerance)),
         is_moving,
     };
     let valve = run.valve;

@@ -5,8 +5,14 @@ use crate::pulses::run::{Phase, Run};
 
 /// log₂ of the low-pass filter's time constant (samples).
 const FILTER_BITS: u32 = 6;
-/// log₂ of the number of samples of drift by which a pulse leads the reference.
-const LEAD_BITS: u32 = 3;
+/// log₂ of the number of samples of drift by which a pulse leads the reference: between its begin and the end of its flow.
+const LEAD_BITS: u32 = 1;
+/// log₂ of the number of samples of drift that a pulse gives in advance, so that the next one comes later, ...
+const ADVANCE_BITS: u32 = 5;
+/// ... less this share of the deadband, in eighths: the gas that cools after a step is no leak, ...
+const DOUBTED_EIGHTHS: i32 = 2;
+/// ... and at most this share: the rest is for the error of the landing.
+const ADVANCE_EIGHTHS: i32 = 5;
 /// Number of samples without flow after which a change of pressure is a drift.
 const QUIET: u8 = 3;
 /// Largest change of the pressure that counts as drift (bar), 2⁻¹⁶: 0.25 bar.
@@ -54,10 +60,25 @@ impl Leak {
         change.wrapping_abs() > MOVING
     }
 
-    /// Returns the pressure by which a pulse has to lead the reference (bar), 2⁻¹⁶.
+    /// Returns the pressure by which the begin of a pulse leads the reference (bar), 2⁻¹⁶.
     #[inline(always)]
-    pub(super) const fn lead(&self) -> i32 {
+    pub(super) const fn lead_of_begin(&self) -> i32 {
         self.drift.wrapping_neg() >> (ERROR_SHIFT - LEAD_BITS)
+    }
+
+    /// Returns the pressure beyond the reference on which a pulse lands (bar), 2⁻¹⁶, with this deadband.
+    #[inline(always)]
+    pub(super) fn lead_of_landing(&self, tolerance: i32) -> i32 {
+        let share = |eighths: i32| tolerance.wrapping_mul(eighths) >> 3;
+        let drifted = self.drift.wrapping_neg() >> (ERROR_SHIFT - ADVANCE_BITS);
+        let advance = drifted.wrapping_abs().wrapping_sub(share(DOUBTED_EIGHTHS));
+        let advance = advance.max(0).min(share(ADVANCE_EIGHTHS));
+        let advance = if drifted < 0 {
+            advance.wrapping_neg()
+        } else {
+            advance
+        };
+        self.lead_of_begin().wrapping_add(advance)
     }
 }
 
@@ -65,24 +86,41 @@ impl Leak {
 mod tests {
     use super::*;
 
-    /// Returns the lead after samples of a pressure that falls by this many units of 2⁻¹⁶ bar in each.
-    fn lead_after(samples: i32, fall: i32, run: &Run) -> i32 {
+    /// Returns the estimate after samples of a pressure that falls by this many units of 2⁻¹⁶ bar in each.
+    fn leak_after(samples: i32, fall: i32, run: &Run) -> Leak {
         let mut leak = Leak::NONE;
         for sample in 0..samples {
             leak.sample(1 << 19, run, (3 << 16) - sample * fall);
         }
-        leak.lead()
+        leak
+    }
+
+    fn lead_after(samples: i32, fall: i32, run: &Run) -> i32 {
+        leak_after(samples, fall, run).lead_of_begin()
     }
 
     #[test]
-    fn a_lasting_fall_is_led_by_eight_samples_and_no_more_than_its_bound() {
-        for (fall, expected) in [(0, 0), (100, 800), (-100, -800)] {
+    fn a_lasting_fall_is_led_by_two_samples_and_no_more_than_its_bound() {
+        for (fall, expected) in [(0, 0), (100, 200), (-100, -200)] {
             let found = lead_after(1_000, fall, &Run::SHUT);
-            assert!((found - expected).abs() <= 3, "{fall}: {found}");
+            assert!((found - expected).abs() <= 1, "{fall}: {found}");
         }
         // 2^19 units of 2^-25 bar are 1024 of 2^-16 bar.
-        assert_eq!(lead_after(1_000, 3_000, &Run::SHUT), 8 * 1024);
-        assert_eq!(lead_after(1_000, -3_000, &Run::SHUT), -8 * 1024);
+        assert_eq!(lead_after(1_000, 3_000, &Run::SHUT), 2 * 1024);
+        assert_eq!(lead_after(1_000, -3_000, &Run::SHUT), -2 * 1024);
+    }
+
+    /// With a leak, a pulse lands beyond the reference, so that the next one comes later; without one, on it.
+    #[test]
+    fn a_pulse_lands_beyond_the_reference_by_thirty_two_samples_of_a_leak_and_not_by_noise() {
+        let tolerance = 5_600;
+        for (fall, advance) in [(0, 0), (40, 0), (100, 32 * 100 - 1_400), (200, 3_500)] {
+            for sign in [1, -1] {
+                let leak = leak_after(1_000, sign * fall, &Run::SHUT);
+                let found = leak.lead_of_landing(tolerance) - leak.lead_of_begin();
+                assert!((found - sign * advance).abs() <= 20, "{fall}: {found}");
+            }
+        }
     }
 
     #[test]
@@ -100,7 +138,7 @@ mod tests {
             for pressure in [0, 0, 0, 0, jump] {
                 leak.sample(1 << 22, &Run::SHUT, pressure);
             }
-            leak.lead()
+            leak.lead_of_begin()
         };
         assert_eq!(after(1 << 20), after(CHANGE_MAX));
         assert_eq!(after(-(1 << 20)), after(-CHANGE_MAX));
