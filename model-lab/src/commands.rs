@@ -202,6 +202,16 @@ impl Commands {
         self.segments_without(|row| self.duty_pct[valve][row] != 0.0, settle_s)
     }
 
+    /// Returns the intervals of samples in which the coil of `valve` carries the current of a duty cycle of 100 %, from `settle_s` after its
+    /// last other command acted.
+    pub(crate) fn full_coil(&self, valve: usize, settle_s: f64) -> Vec<Range<usize>> {
+        // A log may begin with a current that still rises.
+        let is_other = |row: usize| row == 0 || self.duty_pct[valve][row] != 100.0;
+        let mut segments = self.segments_without(is_other, settle_s);
+        segments.retain(|segment| segment.start > 0);
+        segments
+    }
+
     fn segments_without(&self, acts: impl Fn(usize) -> bool, settle_s: f64) -> Vec<Range<usize>> {
         let (earliest_s, delay_s) = self.delay_range_s;
         let latest_s = delay_s + self.pwm_period_s + settle_s;
@@ -326,6 +336,15 @@ mod tests {
         let commands = commands(&pulse(20..30, 100), &pulse(60..70, 100));
         assert_eq!(commands.dead_coil(VENT, 0.0), [0..62, 73..100]);
         assert_eq!(commands.holds(0.0), [0..22, 33..62, 73..100]);
+    }
+
+    #[test]
+    fn a_coil_at_full_duty_carries_its_whole_current_after_the_command_acted() {
+        let mut duty = vec![100.0; 100];
+        duty[40..50].fill(30.0);
+        let commands = commands(&pulse(0..0, 100), &duty);
+        assert_eq!(commands.full_coil(VENT, 0.0), [4..42, 53..100]);
+        assert_eq!(commands.full_coil(FILL, 0.0), []);
     }
 
     #[test]
