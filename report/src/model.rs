@@ -155,21 +155,21 @@ fn how_to_read(comparison: &Comparison) -> Markup {
         aside {
             h3 { "How to read this" }
             p {
-                "The model gets the duty cycles of the log and nothing else; what it then says is laid over what was measured. "
-                "The difference is compared with the noise, which is the scatter of the measurement while nothing can change. It is the grey band. "
-                "A residual inside the band is no fault of the model."
+                "The duty cycles of the log alone drive the model. The plots show its signals over the measured ones. "
+                "The difference is compared with the noise, the scatter of the measurement while nothing can change. The grey band shows the noise. "
+                "Where the residual is inside the band, the model has no visible error."
             }
             p {
-                "In free run an error stays in the chamber until it is vented, so it is seen long after it arose. "
-                "Look at the corrected run to see where it arises: there the measured pressure sets the model right after each sample"
+                "In the free run, an error of the pressure remains until the chamber is vented, long after it arose. "
+                "The corrected run shows where it arises: there the measured pressure corrects the model after each sample"
                 @if let Some(predictor) = &comparison.predictor {
                     ", which looks about " (format!("{:.0}", 1.0 / predictor.gain)) " samples ahead"
                 }
                 "."
             }
             p {
-                "The excess is the squared error beyond the noise. A regime with a large share of it and a small share of the samples "
-                "is where the model lacks something."
+                "The excess is the squared error beyond the noise. Where a small share of the samples has a large share of the excess, "
+                "the model lacks something."
             }
             p.note { "The model starts " (foreign(&comparison.start.statement)) "." }
         }
