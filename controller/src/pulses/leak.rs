@@ -73,11 +73,7 @@ impl Leak {
         let drifted = self.drift.wrapping_neg() >> (ERROR_SHIFT - ADVANCE_BITS);
         let advance = drifted.wrapping_abs().wrapping_sub(share(DOUBTED_EIGHTHS));
         let advance = advance.max(0).min(share(ADVANCE_EIGHTHS));
-        let advance = if drifted < 0 {
-            advance.wrapping_neg()
-        } else {
-            advance
-        };
+        let advance = advance.wrapping_mul(drifted.signum());
         self.lead_of_begin().wrapping_add(advance)
     }
 }
