@@ -407,7 +407,7 @@ mod tests {
         assert_eq!(DutyScale(0).log2(), DutyScale(1).log2());
     }
 
-    /// Where e times the mean voltage is needed, the share of time without current is shorter by the setting.
+    /// If a coil needs e times the mean voltage, its time without current is shorter by `release_shift_pct` of the period.
     #[test]
     fn a_normally_open_valve_is_left_without_current_for_less_time_when_more_is_needed() {
         let shift = |factor: f64| {

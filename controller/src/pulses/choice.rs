@@ -38,7 +38,7 @@ pub fn pulse_step(
     let is_moving = leak.sample(config.leak_max, run, pressure);
     if run.phase == Phase::Shut {
         let error = reference
-            .wrapping_add(leak.lead_of_begin())
+            .wrapping_add(leak.lead_of_start())
             .wrapping_sub(pressure);
         if error < config.tolerance && error > config.tolerance.wrapping_neg() {
             return Output::OFF;

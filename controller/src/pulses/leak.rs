@@ -5,7 +5,7 @@ use crate::pulses::run::{Phase, Run};
 
 /// log₂ of the low-pass filter's time constant (samples).
 const FILTER_BITS: u32 = 6;
-/// log₂ of the number of samples of drift by which a pulse leads the reference: between its begin and the end of its flow.
+/// log₂ of the number of samples of drift by which a pulse leads the reference: between its start and the end of its flow.
 const LEAD_BITS: u32 = 1;
 /// log₂ of the number of samples of drift that a pulse gives in advance, so that the next one comes later, ...
 const ADVANCE_BITS: u32 = 5;
@@ -60,9 +60,9 @@ impl Leak {
         change.wrapping_abs() > MOVING
     }
 
-    /// Returns the pressure by which the begin of a pulse leads the reference (bar), 2⁻¹⁶.
+    /// Returns the pressure by which the start of a pulse leads the reference (bar), 2⁻¹⁶.
     #[inline(always)]
-    pub(super) const fn lead_of_begin(&self) -> i32 {
+    pub(super) const fn lead_of_start(&self) -> i32 {
         self.drift.wrapping_neg() >> (ERROR_SHIFT - LEAD_BITS)
     }
 
@@ -74,7 +74,7 @@ impl Leak {
         let advance = drifted.wrapping_abs().wrapping_sub(share(DOUBTED_EIGHTHS));
         let advance = advance.max(0).min(share(ADVANCE_EIGHTHS));
         let advance = advance.wrapping_mul(drifted.signum());
-        self.lead_of_begin().wrapping_add(advance)
+        self.lead_of_start().wrapping_add(advance)
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
     }
 
     fn lead_after(samples: i32, fall: i32, run: &Run) -> i32 {
-        leak_after(samples, fall, run).lead_of_begin()
+        leak_after(samples, fall, run).lead_of_start()
     }
 
     #[test]
@@ -113,7 +113,7 @@ mod tests {
         for (fall, advance) in [(0, 0), (40, 0), (100, 32 * 100 - 1_400), (200, 3_500)] {
             for sign in [1, -1] {
                 let leak = leak_after(1_000, sign * fall, &Run::SHUT);
-                let found = leak.lead_of_landing(tolerance) - leak.lead_of_begin();
+                let found = leak.lead_of_landing(tolerance) - leak.lead_of_start();
                 assert!((found - sign * advance).abs() <= 20, "{fall}: {found}");
             }
         }
@@ -134,7 +134,7 @@ mod tests {
             for pressure in [0, 0, 0, 0, jump] {
                 leak.sample(1 << 22, &Run::SHUT, pressure);
             }
-            leak.lead_of_begin()
+            leak.lead_of_start()
         };
         assert_eq!(after(1 << 20), after(CHANGE_MAX));
         assert_eq!(after(-(1 << 20)), after(-CHANGE_MAX));
