@@ -3,6 +3,7 @@
 
 mod actuator;
 mod cavity;
+mod eddy_loop;
 mod flow_force;
 mod growth;
 mod heating;
@@ -18,6 +19,7 @@ mod warm_up;
 pub use actuator::Actuator;
 pub use cavity::Cavity;
 pub(crate) use cavity::Tube;
+pub use eddy_loop::EddyLoop;
 pub use flow_force::FlowForce;
 pub use growth::Growth;
 pub(crate) use heating::{CoilTemperature, resistance};
@@ -65,8 +67,8 @@ pub struct Additions {
     pub actuator: Option<Actuator>,
     /// Saturation of the iron.
     pub saturation: Option<Saturation>,
-    /// Conductance of the eddy currents' loop, referred to the coil (1/Ω).
-    pub eddy_conductance: f64,
+    /// Loop of the eddy currents of each coil.
+    pub eddy_loop: EddyLoop,
     /// Resistance that the currents of both coils pass (Ω).
     pub supply_resistance: f64,
     /// Resistance of the switch of each coil, which the freewheeling current does not pass (Ω).
@@ -103,7 +105,7 @@ impl Additions {
     /// Returns whether the current of a coil does not follow from its voltage, resistance and inductance alone.
     pub(crate) fn has_coil_law(&self) -> bool {
         self.saturation.is_some()
-            || self.eddy_conductance > 0.0
+            || self.eddy_loop.is_there()
             || self.supply_resistance > 0.0
             || self.polarisation.is_some()
             || !self.hooks.is_empty()

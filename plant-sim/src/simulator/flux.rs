@@ -4,11 +4,25 @@
 //! dλ/dt = u - R i        i = (i_m(λ, x) + u/R_e) / (1 + R/R_e)
 //! ```
 //!
-//! i_m is the magnetising current (λ/L without saturation), R_e the loop of the eddy currents. Energised coils share
-//! the resistance of the supply.
+//! i_m is the magnetising current (λ/L without saturation), R_e the loop of the eddy currents. With a stray inductance
+//! in that loop, the eddy current is a state: i = i_m + i_e. Energised coils share the resistance of the supply.
 
 use crate::coil::Drive;
 use crate::plant::Plant;
+
+/// State and drive of a coil, from which its current follows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CoilState {
+    pub(super) drive: Drive,
+    /// Flux linkage (V s).
+    pub(super) flux: f64,
+    /// Magnetising current (A).
+    pub(super) magnetising: f64,
+    /// Eddy current (A), where it is a state.
+    pub(super) eddy: f64,
+    /// Voltage beside that of the drive (V).
+    pub(super) additional_voltage: f64,
+}
 
 /// Coil at an instant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,23 +61,25 @@ pub(super) fn loop_resistance(plant: &Plant, index: usize, drive: Drive) -> f64 
     }
 }
 
-/// Returns both coils at an instant: `coils` gives drive, magnetising current and additional voltage of each; `None`
-/// for a coil that is not integrated.
+/// Returns both coils at an instant; `None` for a coil that is not integrated.
 #[inline]
-pub(super) fn coils_now(plant: &Plant, coils: [Option<(Drive, f64, f64)>; 2]) -> [CoilNow; 2] {
+pub(super) fn coils_now(plant: &Plant, coils: [Option<CoilState>; 2]) -> [CoilNow; 2] {
     let additions = &plant.additions;
-    let eddy = additions.eddy_conductance;
-    let divisor = |index, drive| 1.0 + loop_resistance(plant, index, drive) * eddy;
+    let eddy_loop = &additions.eddy_loop;
+    let at_once = eddy_loop.conductance_at_once();
+    let divisor = |index, drive| 1.0 + loop_resistance(plant, index, drive) * at_once;
 
     // The total current of all energised coils gives the drop at the shared resistance.
     let mut drop = 0.0;
     if additions.supply_resistance > 0.0 {
         let (mut taken, mut conductance) = (0.0, 0.0);
         for (index, coil) in coils.iter().enumerate() {
-            if let Some((drive @ Drive::Energised(voltage), magnetising, more)) = *coil {
-                let divisor = divisor(index, drive);
-                taken += (magnetising + (voltage + more) * eddy) / divisor;
-                conductance += eddy / divisor;
+            let Some(coil) = coil else { continue };
+            if let Drive::Energised(voltage) = coil.drive {
+                let divisor = divisor(index, coil.drive);
+                let voltage = voltage + coil.additional_voltage;
+                taken += (coil.magnetising + coil.eddy + voltage * at_once) / divisor;
+                conductance += at_once / divisor;
             }
         }
         let shared = additions.supply_resistance;
@@ -72,9 +88,10 @@ pub(super) fn coils_now(plant: &Plant, coils: [Option<(Drive, f64, f64)>; 2]) ->
 
     let mut now = [CoilNow::default(); 2];
     for (index, coil) in coils.into_iter().enumerate() {
-        let Some((drive, magnetising, more)) = coil else {
+        let Some(coil) = coil else {
             continue;
         };
+        let drive = coil.drive;
         now[index] = match drive.voltage() {
             Some(voltage) => {
                 let shared = if matches!(drive, Drive::Energised(_)) {
@@ -82,18 +99,19 @@ pub(super) fn coils_now(plant: &Plant, coils: [Option<(Drive, f64, f64)>; 2]) ->
                 } else {
                     0.0
                 };
-                let voltage = voltage + more - shared;
+                let voltage = voltage + coil.additional_voltage - shared;
                 let resistance = loop_resistance(plant, index, drive);
-                let current = (magnetising + voltage * eddy) / divisor(index, drive);
+                let source = coil.magnetising + coil.eddy;
+                let current = (source + voltage * at_once) / divisor(index, drive);
                 CoilNow {
                     current,
                     flux_rate: voltage - resistance * current,
                 }
             }
             // The eddy currents alone carry the flux.
-            None if eddy > 0.0 => CoilNow {
+            None if eddy_loop.is_there() && coil.flux != 0.0 => CoilNow {
                 current: 0.0,
-                flux_rate: -magnetising / eddy,
+                flux_rate: eddy_loop.flux_rate_without_coil(coil.flux, coil.magnetising),
             },
             None => CoilNow::default(),
         };

@@ -23,6 +23,8 @@ pub(super) struct Layout {
     pub(super) cavity: Option<usize>,
     /// Voltage loss of the battery (V).
     pub(super) polarisation: Option<usize>,
+    /// Eddy current of the fill valve's coil (A); that of the vent valve's follows.
+    pub(super) eddy_currents: Option<usize>,
     /// Share of its travel of a damped plunger (-).
     pub(super) plunger: Option<usize>,
     /// Position of the actuator (m).
@@ -55,6 +57,7 @@ impl Layout {
         let second_temperature = place(additions.wall_heat.is_some() && has_second);
         let cavity = place(additions.cavity.is_some());
         let polarisation = place(additions.polarisation.is_some());
+        let eddy_currents = [FILL, VENT].map(|_| place(additions.eddy_loop.is_state()))[FILL];
         let plunger = place(
             additions
                 .plunger
@@ -76,6 +79,7 @@ impl Layout {
             second_temperature,
             cavity,
             polarisation,
+            eddy_currents,
             plunger,
             actuator,
             own: (layout.len, own),
@@ -124,6 +128,12 @@ impl Layout {
         set(self.actuator, 0.0, pressure_tolerance * 1e-7);
         // The same share of 24 V as of the supply pressure.
         set(self.polarisation, 0.0, pressure_tolerance * 2.5e-5);
+        if let Some(first) = self.eddy_currents {
+            // The same share of 0.3 A as of the supply pressure.
+            for valve in [FILL, VENT] {
+                set(Some(first + valve), 0.0, pressure_tolerance * 3e-7);
+            }
+        }
         let relative = pressure_tolerance / super::Tolerance::default().pressure;
         for (n, own) in plant.additions.hooks.states.iter().enumerate() {
             set(Some(self.own.0 + n), own.initial, own.tolerance * relative);

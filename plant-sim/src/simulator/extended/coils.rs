@@ -1,6 +1,6 @@
 //! Coils with effects: currents from fluxes, with their charge and heat.
 
-use super::super::flux::{self, CoilNow};
+use super::super::flux::{self, CoilNow, CoilState};
 use super::super::smooth::Smooth;
 use super::super::span::{Span, first_of};
 use super::Extended;
@@ -12,7 +12,7 @@ impl Extended {
     /// Returns whether flux and current of a coil are proportional.
     pub(super) fn is_linear(&self) -> bool {
         let additions = &self.plant.additions;
-        additions.saturation.is_none() && additions.eddy_conductance == 0.0
+        additions.saturation.is_none() && !additions.eddy_loop.is_there()
     }
 
     /// Returns the current that causes the magnetic force of a valve (A).
@@ -24,10 +24,23 @@ impl Extended {
         }
     }
 
-    /// Returns the magnetising current (A) at which the current of a freewheeling coil ends: the eddy currents carry
-    /// the rest.
-    pub(super) fn least_current(&self) -> f64 {
-        self.plant.diode_drop * self.plant.additions.eddy_conductance
+    /// Returns by how much the current that a freewheeling coil can carry exceeds zero (A): the eddy currents carry the
+    /// rest of the `magnetising` current.
+    pub(super) fn excess_of_freewheeling(
+        &self,
+        index: usize,
+        magnetising: f64,
+        extra: &[f64],
+    ) -> f64 {
+        let at_once = self.plant.additions.eddy_loop.conductance_at_once();
+        magnetising + self.eddy_current(index, extra) - self.plant.diode_drop * at_once
+    }
+
+    /// Returns the eddy current of a coil (A), where it is a state; otherwise 0.
+    fn eddy_current(&self, index: usize, extra: &[f64]) -> f64 {
+        self.layout
+            .eddy_currents
+            .map_or(0.0, |first| extra[first + index])
     }
 
     /// Returns the live coils at a state, with their magnetising currents.
@@ -42,12 +55,17 @@ impl Extended {
             return self.plain_coils(smooth, y);
         }
         let mut coils = [None; 2];
+        let extra = &y[first_of(M)..];
         for slot in 0..M {
             let (index, first) = (smooth.live[slot], first_of(slot));
-            let current = flux::magnetising_current(&self.plant, index, y[first], y[first + 1]);
-            let drive = smooth.drives[slot];
-            let lost = self.lost_voltage(drive, &y[first_of(M)..]);
-            coils[index] = Some((drive, current, more[index] - lost));
+            let (flux, drive) = (y[first], smooth.drives[slot]);
+            coils[index] = Some(CoilState {
+                drive,
+                flux,
+                magnetising: flux::magnetising_current(&self.plant, index, flux, y[first + 1]),
+                eddy: self.eddy_current(index, extra),
+                additional_voltage: more[index] - self.lost_voltage(drive, extra),
+            });
         }
         flux::coils_now(&self.plant, coils)
     }
@@ -101,16 +119,46 @@ impl Extended {
         Some((polarisation.resistance * taken - voltage) / polarisation.time_constant)
     }
 
+    /// Writes d(eddy current)/dt (A/s) of the live coils into the rates of the effects' states, where it is a state.
+    pub(super) fn eddy_rates<const M: usize>(
+        &self,
+        smooth: &Smooth<M>,
+        coils: &[CoilNow; 2],
+        extra: &[f64],
+        extra_rates: &mut [f64],
+    ) {
+        if let Some(first) = self.layout.eddy_currents {
+            for index in smooth.live {
+                extra_rates[first + index] = self
+                    .plant
+                    .additions
+                    .eddy_loop
+                    .rate(coils[index].flux_rate, extra[first + index]);
+            }
+        }
+    }
+
     /// Updates the state after the outputs have switched: with eddy currents, the current at the terminals jumps.
-    pub(in crate::simulator) fn switched(&self, state: &mut PlantState) {
-        if self.plant.additions.eddy_conductance == 0.0 {
+    pub(in crate::simulator) fn switched(&mut self, state: &mut PlantState) {
+        if !self.plant.additions.eddy_loop.is_there() {
             return;
         }
         let coils = [FILL, VENT].map(|index| {
             let valve = &state.valves[index];
-            let current = flux::magnetising_current(&self.plant, index, self.flux[index], valve.x);
-            let lost = self.lost_voltage(valve.drive, &self.extra);
-            Some((valve.drive, current, -lost))
+            let flux = self.flux[index];
+            let magnetising = flux::magnetising_current(&self.plant, index, flux, valve.x);
+            // The diode blocks a current below zero: the eddy current has carried all of the magnetising current.
+            if let Some(first) = self.layout.eddy_currents {
+                let eddy = &mut self.extra[first + index];
+                *eddy = eddy.max(-magnetising);
+            }
+            Some(CoilState {
+                drive: valve.drive,
+                flux,
+                magnetising,
+                eddy: self.eddy_current(index, &self.extra),
+                additional_voltage: -self.lost_voltage(valve.drive, &self.extra),
+            })
         });
         let now = flux::coils_now(&self.plant, coils);
         for (valve, coil) in state.valves.iter_mut().zip(now) {

@@ -16,9 +16,9 @@ use crate::plant::{FILL, Plant, PlantState, VENT};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectState {
     /// `t_gas`, `t_wall`, `t_second`, `t_coil_fill`, `t_coil_vent`, `p_line`, `p_drain`, `p_cavity`, `u_polarisation`,
-    /// `plunger_share`, `x_actuator`, or `own` for a user-defined state.
+    /// `i_eddy_fill`, `i_eddy_vent`, `plunger_share`, `x_actuator`, or `own` for a user-defined state.
     pub name: &'static str,
-    /// Value: K, Pa abs, V, m or a pure number, or the unit of a user-defined state.
+    /// Value: K, Pa abs, V, A, m or a pure number, or the unit of a user-defined state.
     pub value: f64,
 }
 
@@ -114,6 +114,7 @@ impl Extended {
             second_temperature,
             cavity,
             polarisation,
+            eddy_currents,
             plunger,
             actuator,
             own: (first, number),
@@ -127,6 +128,8 @@ impl Extended {
             ("t_second", second_temperature),
             ("p_cavity", cavity),
             ("u_polarisation", polarisation),
+            ("i_eddy_fill", eddy_currents),
+            ("i_eddy_vent", eddy_currents.map(|first| first + VENT)),
             ("plunger_share", plunger),
             ("x_actuator", actuator),
         ];

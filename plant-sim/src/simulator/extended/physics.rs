@@ -58,7 +58,7 @@ impl Physics for Extended {
             }
             Drive::Freewheeling(_) => has_law,
             // The eddy currents sustain a flux for a short time.
-            Drive::Blocked => additions.eddy_conductance > 0.0 && self.flux[index] > 0.0,
+            Drive::Blocked => additions.eddy_loop.is_there() && self.flux[index] > 0.0,
         }
     }
 
@@ -235,6 +235,7 @@ impl Physics for Extended {
         {
             extra_rates[index] = rate;
         }
+        self.eddy_rates(smooth, &coils, extra, extra_rates);
         if let (Some(time), Some(now)) = (self.layout.time, now) {
             // A law that is no number aborts the simulation also while nothing follows from it: the force on an armature
             // that does not move, the supply behind a closed valve.
@@ -282,15 +283,19 @@ impl Physics for Extended {
         slot: usize,
     ) -> Option<f64> {
         let index = smooth.live[slot];
-        let least = match smooth.drives[slot] {
-            Drive::Freewheeling(_) => self.least_current(),
-            Drive::Blocked if span.start[first_of(slot)] > 0.0 => NO_CURRENT,
+        let freewheels = match smooth.drives[slot] {
+            Drive::Freewheeling(_) => true,
+            Drive::Blocked if span.start[first_of(slot)] > 0.0 => false,
             Drive::Energised(_) | Drive::Blocked => return None,
         };
         let missing = |y: &[f64; N]| {
             let first = first_of(slot);
             let current = flux::magnetising_current(&self.plant, index, y[first], y[first + 1]);
-            least - current
+            if freewheels {
+                -self.excess_of_freewheeling(index, current, &y[first_of(M)..])
+            } else {
+                NO_CURRENT - current
+            }
         };
         (missing(&span.end) > 0.0)
             .then(|| first_positive(|time| missing(&span.at(time)), 0.0, span.h))
@@ -375,9 +380,12 @@ impl Physics for Extended {
 
     fn after_current_ended(&mut self, index: usize, drive: Drive) {
         let eddy_currents_go_on =
-            matches!(drive, Drive::Freewheeling(_)) && self.plant.additions.eddy_conductance > 0.0;
+            matches!(drive, Drive::Freewheeling(_)) && self.plant.additions.eddy_loop.is_there();
         if !eddy_currents_go_on {
             self.flux[index] = 0.0;
+            if let Some(first) = self.layout.eddy_currents {
+                self.extra[first + index] = 0.0;
+            }
         }
     }
 
@@ -399,6 +407,6 @@ impl Physics for Extended {
             return valve.current > 0.0;
         }
         let current = flux::magnetising_current(&self.plant, index, self.flux[index], valve.x);
-        current > self.least_current()
+        self.excess_of_freewheeling(index, current, &self.extra) > 0.0
     }
 }
