@@ -170,7 +170,7 @@ pub struct Row {
 
 impl Row {
     /// Summarises the verdicts on rigs under a condition, without the physical minimum.
-    fn of(condition: String, rigs: &[RigVerdict], requirement: &Requirement) -> Self {
+    pub(crate) fn of(condition: String, rigs: &[RigVerdict], requirement: &Requirement) -> Self {
         let settling = SettlingTimes::of_steps(rigs);
         let sum: u32 = settling.samples.iter().sum();
         let count = settling.count().max(1) as f64;

@@ -11,6 +11,7 @@ mod difference;
 mod duty_factors;
 pub mod duty_limits;
 pub mod ecu_under_test;
+pub mod gain_search;
 pub mod image;
 pub mod image_log;
 pub mod lead_in;

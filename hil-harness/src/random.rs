@@ -26,6 +26,8 @@ pub enum Stream {
     VoltageNoise,
     /// Noise of the measured coil currents, two draws per sample.
     CurrentNoise,
+    /// Candidates of a search over gains.
+    GainSearch,
 }
 
 impl Random {

@@ -1,5 +1,6 @@
 //! Contents of a report.
 
+use hil_harness::gain_search::Found;
 use hil_harness::rigs::RigVerdict;
 use hil_harness::{Requirement, Verdict};
 use model_lab::diagnosis::Diagnosis;
@@ -25,6 +26,8 @@ pub struct Contents<'a> {
     pub history: Option<HistoryPart<'a>>,
     /// Closed loop on the model, one part per scenario.
     pub control: &'a [ControlPart<'a>],
+    /// Search of gains.
+    pub tuning: Option<TuningPart<'a>>,
     /// Figures of the thesis, measured and simulated.
     pub thesis: Option<&'a ThesisTable>,
     /// Next steps to try, one sentence or command each.
@@ -181,6 +184,19 @@ pub struct ControlPart<'a> {
     pub conditions: &'a str,
     /// Verdicts on scattered rigs; empty if none were requested.
     pub rigs: &'a [RigVerdict],
+}
+
+/// Search of gains for a plant.
+#[derive(Clone, Copy, Debug)]
+pub struct TuningPart<'a> {
+    /// Name of the plant.
+    pub plant: &'a str,
+    /// Name of the controller that was tuned.
+    pub controller: &'a str,
+    /// Requirement that the candidates are judged by.
+    pub requirement: &'a Requirement,
+    /// Result.
+    pub found: &'a Found,
 }
 
 /// Sources of a report, from which it can be reproduced.

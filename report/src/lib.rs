@@ -13,10 +13,11 @@ mod page;
 mod plant;
 mod plot;
 mod thesis;
+mod tuning;
 
 pub use contents::{
     BeforeAndAfter, Contents, ControlPart, DiagnosisPart, HistoryPart, HistoryStep, Input, LogPart,
-    ModelPart, NextCommand, Origin, PlantPart,
+    ModelPart, NextCommand, Origin, PlantPart, TuningPart,
 };
 pub use page::{html, is_report, style};
 pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};

@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use super::contents::{Contents, ModelPart};
 use super::element::{Standing, foreign, printable};
-use super::{control, diagnosis, history, logs, model, origin, plant, thesis};
+use super::{control, diagnosis, history, logs, model, origin, plant, thesis, tuning};
 use crate::plot::palette::DARK;
 
 /// Content policy of the page: nothing may be loaded or run, and the style is inline.
@@ -48,6 +48,7 @@ pub fn html(contents: &Contents<'_>) -> String {
                     @if let Some(part) = &contents.diagnosis { (diagnosis::section(part)) }
                     @if let Some(part) = &contents.history { (history::section(part)) }
                     @if !contents.control.is_empty() { (control::section(contents.control)) }
+                    @if let Some(part) = &contents.tuning { (tuning::section(part)) }
                     @if let Some(table) = contents.thesis { (thesis::section(table)) }
                     @if !contents.next_steps.is_empty() { (next_steps(contents.next_steps)) }
                     (origin::section(&contents.origin))
@@ -69,6 +70,9 @@ fn summary(contents: &Contents<'_>) -> Markup {
             }
             @if !contents.control.is_empty() {
                 (statement("Control loop", &control::standing(contents.control).badge(), &control::headline(contents.control)))
+            }
+            @if let Some(part) = &contents.tuning {
+                (statement("Gains", &markup! {}, &tuning::headline(part)))
             }
             @if let Some(table) = contents.thesis {
                 (statement("Thesis", &Standing::of(table.holds).badge(), &thesis::headline(table)))
@@ -112,6 +116,7 @@ fn navigation(contents: &Contents<'_>) -> Markup {
         ),
         (contents.history.is_some(), "#history", "How it was refined"),
         (!contents.control.is_empty(), "#control", "Control loop"),
+        (contents.tuning.is_some(), "#tuning", "Gains"),
         (contents.thesis.is_some(), "#thesis", "Thesis"),
         (has_next_steps, "#next", "What to try next"),
         (true, "#origin", "Origin"),

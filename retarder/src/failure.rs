@@ -9,6 +9,7 @@ use hil_harness::RunError;
 use hil_harness::checks::JudgeError;
 use hil_harness::controller_file::ControllerFileError;
 use hil_harness::duty_limits::NoDutyLimit;
+use hil_harness::gain_search::SearchError;
 use hil_harness::image::ImageError;
 use hil_harness::link::{LinkError, SerialError};
 #[cfg(unix)]
@@ -58,6 +59,12 @@ pub(crate) enum Failure {
     },
     #[error("{plant}: {error}")]
     NotTuned { plant: String, error: NoDutyLimit },
+    #[error("{controller}, {plant}: {error}")]
+    NoGains {
+        controller: String,
+        plant: String,
+        error: Box<SearchError>,
+    },
     #[error("{}: not UTF-8 text; save it as UTF-8", path.display())]
     NotText { path: PathBuf },
     #[error("{}: larger than the {limit} bytes of any file of this kind; is it the right one?", path.display())]

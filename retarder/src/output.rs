@@ -55,6 +55,9 @@ pub(crate) fn deliver((outcome, mut targets): (Outcome, Targets)) -> Result<Answ
     {
         is_taken |= write(path, existing, mapping)?;
     }
+    if let (Some(path), Outcome::Tuned(tuned)) = (&targets.controller, &outcome) {
+        is_taken |= write(path, existing, &tuned.text)?;
+    }
     if let Some(path) = &targets.html
         && let Some(html) = page::html(&outcome)
     {
@@ -80,6 +83,12 @@ pub(crate) fn deliver((outcome, mut targets): (Outcome, Targets)) -> Result<Answ
             let _ = anstream::stderr().write_all(text.as_bytes());
         }
         _ if is_taken => {}
+        // The standard output has the controller file.
+        Outcome::Tuned(tuned) if targets.controller.is_none() => {
+            let text = print::tuning(tuned, &Terminal::standard_error());
+            let _ = anstream::stderr().write_all(text.as_bytes());
+            write_standard_output(&tuned.text)?;
+        }
         _ => write_standard_output(&print::outcome(
             &outcome,
             &targets,
@@ -160,6 +169,7 @@ fn json(outcome: &Outcome) -> Option<String> {
         | Outcome::Report(_)
         | Outcome::Parameters(_)
         | Outcome::Settings(_)
+        | Outcome::Tuned(_)
         | Outcome::DeviceSettings(_)
         | Outcome::DeviceSignals
         | Outcome::Measurement(_)

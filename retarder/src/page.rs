@@ -3,7 +3,7 @@
 use recording::Recording;
 use report::{
     BeforeAndAfter, Contents, ControlPart, DiagnosisPart, Input, LogPart, ModelPart, Origin,
-    PlantPart,
+    PlantPart, TuningPart,
 };
 
 use crate::run::Outcome;
@@ -96,6 +96,28 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
             inputs: &[figures.plant.input()],
             ..Page::default()
         }),
+        Outcome::Tuned(tuned) => {
+            let found = &tuned.searched.as_ref()?.found;
+            let task = &tuned.task;
+            page(&Page {
+                title: &format!("Gains for {}", task.plant.name),
+                tuning: Some(TuningPart {
+                    plant: &task.plant.name,
+                    controller: &task.controller.name,
+                    requirement: &task.requirements.requirement,
+                    found,
+                }),
+                inputs: &[
+                    Some(task.plant.input()),
+                    Some(task.controller.input()),
+                    task.requirements.input(),
+                ]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>(),
+                ..Page::default()
+            })
+        }
         Outcome::Diagnosis(diagnosed) => diagnosis(diagnosed),
         Outcome::Report(reported) => session(reported),
         Outcome::Simulation(_)
@@ -182,6 +204,7 @@ struct Page<'a> {
     compared: &'a [Compared],
     diagnosis: Option<&'a Diagnosed>,
     loops: &'a [Controlled],
+    tuning: Option<TuningPart<'a>>,
     figures: Option<&'a Figures>,
     next_steps: &'a [String],
     inputs: &'a [Input],
@@ -230,6 +253,7 @@ fn page(page: &Page<'_>) -> String {
         }),
         history: None,
         control: &control,
+        tuning: page.tuning,
         thesis: page.figures.map(|figures| &figures.table),
         next_steps: page.next_steps,
         origin: Origin {

@@ -13,6 +13,8 @@ pub(crate) struct Targets {
     pub(crate) recording: Option<PathBuf>,
     /// The refined plant file, or that with the missing flow.
     pub(crate) plant: Option<PathBuf>,
+    /// Controller file.
+    pub(crate) controller: Option<PathBuf>,
     /// Mapping of the columns of a log.
     pub(crate) mapping: Option<PathBuf>,
     pub(crate) existing: Existing,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory as _;
+use hil_harness::gain_search::Search;
 use model_lab::CompareOptions;
 use model_lab::diagnosis::asking_plant_file;
 use model_lab::diagnosis::next_experiment::Limits;
@@ -58,7 +59,7 @@ enum Work {
     ExplainThesis(NamedPlant),
     Parameters(NamedPlant),
     Settings(NamedController),
-    Tune(NamedPlant, NamedController),
+    Tune(Box<run::tune::Task>),
     Serve(workbench::Options),
     Tab(TabArgs),
     Text(String),
@@ -160,7 +161,23 @@ impl Task {
             Some(Command::Tune(args)) => {
                 let plant = NamedPlant::from_args(&args.plant, NamedPlant::nominal())?;
                 let plant = plant.for_control()?;
-                Work::Tune(plant, NamedController::from_args(&args.controller)?)
+                targets.html = args.html;
+                targets.controller = args.out;
+                Work::Tune(Box::new(run::tune::Task {
+                    plant,
+                    controller: NamedController::from_args(&args.controller)?,
+                    requirements: NamedRequirement::from_args(&args.requirements)?,
+                    gains: match (args.search, args.gains) {
+                        (Some(candidates), _) => run::tune::Gains::Searched(Search {
+                            candidates,
+                            rigs: args.rigs,
+                            seed: args.seed,
+                            choose: args.choose,
+                        }),
+                        (None, Some(method)) => run::tune::Gains::Started(method),
+                        (None, None) => run::tune::Gains::Kept,
+                    },
+                }))
             }
             Some(Command::Serve(args)) => Work::Serve(workbench::Options {
                 project: args.project,
@@ -243,7 +260,7 @@ impl Task {
             Work::ExplainThesis(plant) => Outcome::ThesisExplanation(run::thesis::explain(plant)),
             Work::Parameters(plant) => Outcome::Parameters(plant),
             Work::Settings(controller) => Outcome::Settings(controller),
-            Work::Tune(plant, controller) => Outcome::Text(run::tune::run(&plant, &controller)?),
+            Work::Tune(task) => Outcome::Tuned(Box::new(run::tune::run(*task)?)),
             Work::Serve(options) => Outcome::Text(run::serve::run(&options, &mut |address| {
                 print::serving(address)
             })?),

@@ -150,7 +150,10 @@ mod tests {
         simulator.advance_to_ns(9_000_000);
         let eddy = |simulator: &Simulator| {
             let mut states = simulator.effect_states();
-            states.find(|state| state.name == "i_eddy_fill").unwrap().value
+            states
+                .find(|state| state.name == "i_eddy_fill")
+                .unwrap()
+                .value
         };
         assert_eq!(simulator.sample().current[0], 0.0, "the diode blocks");
         let start = eddy(&simulator);

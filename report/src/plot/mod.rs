@@ -18,6 +18,7 @@ mod regimes;
 mod remaining;
 mod settling;
 mod thesis;
+mod tuning;
 
 pub(crate) use comparison::{comparison, excerpt};
 pub(crate) use control::{control, step_of_interest};
@@ -29,3 +30,4 @@ pub(crate) use regimes::regime;
 pub(crate) use remaining::missing_flow;
 pub(crate) use settling::{settling, settling_on_rigs};
 pub(crate) use thesis::thesis;
+pub(crate) use tuning::trade_off;

@@ -10,8 +10,10 @@ mod schema;
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
+use hil_harness::gain_search::StartingPoint;
 
 use crate::targets::Existing;
 
@@ -237,17 +239,57 @@ pub(crate) struct SettingsArgs {
 #[command(after_help = "\
 Examples:
   retarder tune --plant my-plant.toml > my-controller.toml
+  retarder tune --plant my-plant.toml --gains relay > my-controller.toml
+  retarder tune --plant my-plant.toml --search --out my-controller.toml --html gains.html
   retarder control --plant my-plant.toml --controller my-controller.toml --rigs 20
 
 The experiments of section 4.1 of the thesis run on the model: the lowest duty cycle that opens
 each valve, with and without the supply pressure across it, and the lowest that keeps it open.
 Supply voltage, coil resistance, supply pressure, orifice and rates are those of the plant. Gains
-and times stay those of the controller that is tuned.")]
+and times stay those of the controller that is tuned, unless --gains or --search finds others.
+
+--search runs each candidate through both timed passages and all steps of the operating range, on
+scattered rigs under the supply voltages and temperatures of vehicles. Its table and its picture
+show the trade-off of settling time, overshoot and lifts. The controller file has the candidate that
+costs least on further rigs; the table says what the cost is. The same search with --choose NUMBER
+writes another one.")]
 pub(crate) struct TuneArgs {
     #[command(flatten)]
     pub(crate) plant: PlantArgs,
     #[command(flatten)]
     pub(crate) controller: ControllerArg,
+    /// Gains from an experiment on the model: `relay` (Åström and Hägglund) or `ziegler-nichols` (reaction curve)
+    #[arg(long, value_name = "METHOD", value_parser = starting_points(), conflicts_with = "search")]
+    pub(crate) gains: Option<StartingPoint>,
+    /// Search gains with this many candidates, both experiments included [without COUNT: 120]
+    #[arg(long, value_name = "COUNT", num_args = 0..=1, default_missing_value = "120", value_parser = clap::value_parser!(u32).range(4..=100_000))]
+    pub(crate) search: Option<u32>,
+    /// Number of scattered rigs for each candidate
+    #[arg(long, value_name = "COUNT", default_value_t = 8, requires = "search", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) rigs: u32,
+    /// Seed of the search: rigs, noise and candidates
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "search")]
+    pub(crate) seed: u64,
+    /// Number of the candidate for the controller file, from the table of the same search
+    #[arg(long, value_name = "NUMBER", requires = "search", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) choose: Option<u32>,
+    #[command(flatten)]
+    pub(crate) requirements: RequirementsArg,
+    /// Write the controller file here, and print the table; without this option, print the controller file
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the table and the picture of a search as a self-contained HTML report
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "search")]
+    pub(crate) html: Option<PathBuf>,
+}
+
+/// Reads the name of an experiment for gains.
+fn starting_points() -> impl TypedValueParser<Value = StartingPoint> {
+    PossibleValuesParser::new(StartingPoint::ALL.map(StartingPoint::name)).map(|name| {
+        let mut all = StartingPoint::ALL.into_iter();
+        let named = all.find(|method| method.name() == name);
+        named.unwrap_or_else(|| unreachable!("clap has checked the name"))
+    })
 }
 
 #[derive(Debug, Args)]

@@ -17,6 +17,7 @@ mod serve;
 mod simulation;
 mod table;
 mod thesis;
+mod tuning;
 
 use std::io::{stderr, stdout};
 
@@ -35,6 +36,7 @@ pub(crate) use device::{measured, measuring};
 pub(crate) use live::Live;
 pub(crate) use serve::serving;
 pub(crate) use simulation::simulation;
+pub(crate) use tuning::tuning;
 
 /// Properties of the terminal that text is laid out for.
 #[derive(Debug, Clone, Copy)]
@@ -145,6 +147,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::ThesisExplanation(explained) => thesis::explanation(explained, terminal),
         Outcome::Parameters(plant) => parameters::parameters(plant, terminal),
         Outcome::Settings(controller) => parameters::settings(controller, terminal),
+        Outcome::Tuned(tuned) => tuning(tuned, terminal),
         Outcome::Text(text) => text.clone(),
     };
     if !matches!(outcome, Outcome::Demo(_)) {
@@ -152,6 +155,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
             &targets.mapping,
             &targets.recording,
             &targets.plant,
+            &targets.controller,
             &targets.html,
             &targets.json,
         ];

@@ -44,6 +44,7 @@ pub(crate) enum Outcome {
     ThesisExplanation(thesis::Explained),
     Parameters(NamedPlant),
     Settings(NamedController),
+    Tuned(Box<tune::Tuned>),
     /// Text that is printed unchanged.
     Text(String),
 }
@@ -92,6 +93,7 @@ impl Outcome {
             | Self::DeviceSignals
             | Self::Parameters(_)
             | Self::Settings(_)
+            | Self::Tuned(_)
             | Self::Text(_) => Answer::Holds,
         }
     }
