@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::tests::Which;
-use crate::workspace::{cargo, entries, find_program, root, target_dir};
+use crate::workspace::{cargo, commit_number, entries, find_program, root, target_dir};
 use crate::{packages, process, tests};
 
 /// Timeout of one cargo command. A cold build of everything takes some minutes on two cores.
@@ -69,9 +69,16 @@ fn format_and_clippy(report: &mut Report) {
     });
 }
 
-/// Runs all tests and examples.
-pub(crate) fn test(report: &mut Report) {
+/// Runs tests and examples; of the regression rigs all, or the part that this commit selects.
+pub(crate) fn test(report: &mut Report, every_rig: bool) {
     report.step("tests", || tests::run(Which::Alone));
+    if every_rig {
+        report.step("the regression rigs", || tests::run(Which::Rigs(None)));
+    } else {
+        report.step("a part of the regression rigs", || {
+            tests::run(Which::Rigs(Some(commit_number()? % tests::RIG_PARTS)))
+        });
+    }
     report.step("tests in the documentation", || {
         run(&[
             "test",

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use crate::failure::Failure;
 use crate::process;
 use crate::report::Report;
-use crate::workspace::{cargo, find_program, root, target_dir};
+use crate::workspace::{cargo, commit_number, find_program, root, target_dir};
 
 /// Version of the tool whose names of mutants the lists use.
 const VERSION: &str = "27.1.0";
@@ -160,15 +160,6 @@ pub(crate) fn check_a_part(report: &mut Report) {
             judge(one, Some(Shard { part, of: CI_PARTS }))
         });
     }
-}
-
-fn commit_number() -> Result<u32, Failure> {
-    let mut head = Command::new("git");
-    head.args(["rev-parse", "--short=7", "HEAD"])
-        .current_dir(root());
-    let said = process::capture(&mut head, Duration::from_secs(10))?;
-    // Without a commit, as in an unpacked archive, the part does not matter.
-    Ok(u32::from_str_radix(said.trim(), 16).unwrap_or(0))
 }
 
 fn judge(subject: Subject, shard: Option<Shard>) -> Result<(), Failure> {

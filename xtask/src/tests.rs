@@ -21,13 +21,19 @@ const DEADLINE: Duration = Duration::from_secs(3600);
 pub(crate) enum Which<'a> {
     /// Unit tests that take seconds: not the searches of the diagnosis.
     Fast,
-    /// Tests that need nothing but this machine.
+    /// Tests that need nothing but this machine, without the regression rigs.
     Alone,
+    /// Rigs that the diagnosis once failed, practice rigs and negative controls, each with a whole search: all of them, or
+    /// one part of [`RIG_PARTS`], from 0.
+    Rigs(Option<u32>),
     /// Tests of the page in a browser.
     Browser,
     /// Tests with the image in the loop, one at a time: each uses two processors.
     Image(&'a Path),
 }
+
+/// Number of parts of the regression rigs. One part takes about five minutes on two cores.
+pub(crate) const RIG_PARTS: u32 = 4;
 
 /// Runs some tests of the workspace; all of them run, even if one fails.
 pub(crate) fn run(which: Which<'_>) -> Result<(), Failure> {
@@ -51,12 +57,19 @@ fn by_nextest(which: Which<'_>) -> Command {
     const BROWSER: &str = "package(workbench) & binary(browser)";
     const IMAGE: &str =
         "package(hil-harness) & binary(/image/) | package(retarder) & test(/^image::/)";
+    const RIGS: &str = "package(model-lab) & binary(/^(practice_diagnosis|negative_controls)$/) | \
+         package(retarder-tests) & binary(/^(blind_diagnosis|failed_rigs)$/)";
     let mut tests = cargo();
     tests.args(["nextest", "run", "--workspace", "--no-fail-fast"]);
     tests.args(["--features", FEATURES, "--filterset"]);
     match which {
         Which::Fast => tests.arg(FAST),
-        Which::Alone => tests.arg(format!("not ({BROWSER} | {IMAGE})")),
+        Which::Alone => tests.arg(format!("not ({BROWSER} | {IMAGE} | {RIGS})")),
+        Which::Rigs(None) => tests.arg(RIGS),
+        Which::Rigs(Some(part)) => {
+            let part = format!("slice:{}/{RIG_PARTS}", part + 1);
+            tests.args([RIGS, "--partition", &part])
+        }
         Which::Browser => tests.arg(BROWSER),
         Which::Image(_) => tests.arg(IMAGE).args(["--test-threads", "1"]),
     };
@@ -80,7 +93,9 @@ fn by_cargo(which: Which<'_>) -> Vec<Command> {
             "--skip",
             "diagnosis::",
         ])],
+        // All tests: it cannot leave the rigs out.
         Which::Alone => vec![test(&["--lib", "--bins", "--tests"])],
+        Which::Rigs(_) => Vec::new(),
         Which::Browser => vec![test(&["--features", FEATURES, "--test", "browser"])],
         Which::Image(_) => [
             &["image_in_the_loop", "--"][..],

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 use std::{env, fs, io};
 
 use crate::failure::Failure;
+use crate::process;
 
 /// Returns the folder of the workspace's `Cargo.toml`.
 pub(crate) fn root() -> PathBuf {
@@ -22,6 +24,16 @@ pub(crate) fn target_dir() -> PathBuf {
 /// discards its results.
 pub(crate) fn arm_target_dir() -> PathBuf {
     target_dir().join("arm")
+}
+
+/// Returns a number of the commit, which selects the part of a long check: the same commit always selects the same part.
+pub(crate) fn commit_number() -> Result<u32, Failure> {
+    let mut head = Command::new("git");
+    head.args(["rev-parse", "--short=7", "HEAD"])
+        .current_dir(root());
+    let said = process::capture(&mut head, Duration::from_secs(10))?;
+    // Without a commit, as in an unpacked archive, the part does not matter.
+    Ok(u32::from_str_radix(said.trim(), 16).unwrap_or(0))
 }
 
 /// Seed of the property tests, so that tests, coverage and mutants of the same tree have the same result. Runs without this
