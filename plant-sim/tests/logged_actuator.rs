@@ -80,7 +80,8 @@ fn a_position_that_is_missing_or_leaves_no_volume_is_refused() {
 
     let without = log(50, 1, |_| 0.0).renamed("x_actuator", "other").unwrap();
     let error = refused(&plant, &without).to_string();
-    assert!(error.contains("x_actuator"), "{error}");
+    let names_both = error.contains("x_actuator") && error.contains("effect actuator_volume");
+    assert!(names_both, "{error}");
 
     let empty = log(50, 1, |_| f64::NAN);
     let error = refused(&plant, &empty);

@@ -63,6 +63,11 @@ impl Implausible {
     /// Returns the next step, as an instruction.
     pub fn next_step(&self) -> String {
         match self {
+            Self::DutyRange { percent } if *percent < 0.0 => {
+                "if one column commands both valves, by its sign, `retarder inspect` proposes a mapping into two; \
+                 otherwise check the unit (pct or frac) and the logger"
+                    .to_owned()
+            }
             Self::DutyRange { .. } => "check the unit (pct or frac) and the logger".to_owned(),
             Self::OutOfBounds { cells, .. } if is_below_vacuum(cells) => format!(
                 "check whether {} is the right reference, whether the sensor was plugged in, and its offset",

@@ -22,5 +22,14 @@ pub use contents::{
 pub use page::{html, is_report, style};
 pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 
+use plant_sim::PlantParameters;
+
+/// Returns a sketch of the plant as SVG for an HTML page: its parts with their values, and its effects where they act.
+/// The colours are those for a white background; `None` if it cannot be drawn.
+pub fn plant_sketch(plant: &PlantParameters) -> Option<String> {
+    let sketch = plot::sketch(plant).ok()?;
+    Some(sketch.inline_svg())
+}
+
 #[cfg(test)]
 mod tests;

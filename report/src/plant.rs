@@ -4,8 +4,9 @@ use maud::{Markup, html};
 use plant_sim::PlantParameters;
 
 use super::contents::PlantPart;
-use super::element::foreign;
+use super::element::{figure, foreign};
 use super::number::engineering;
+use crate::plot;
 
 pub(super) fn section(part: &PlantPart<'_>) -> Markup {
     let nominal = PlantParameters::nominal();
@@ -20,6 +21,7 @@ pub(super) fn section(part: &PlantPart<'_>) -> Markup {
         section #plant {
             h2 { "Plant" }
             p { code { (foreign(part.name)) } }
+            (figure(plot::sketch(plant)))
             p {
                 @if effects.is_empty() { "The plain model, without an effect of the library." } @else {
                     "Effects: "

@@ -35,6 +35,7 @@ const MODULES: &[(&str, &str)] = modules![
     "menu.js",
     "next.js",
     "side-tabs.js",
+    "sketch.js",
     "terms.js",
     "theme.js",
     "time-view.js",

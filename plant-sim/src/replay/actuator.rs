@@ -41,6 +41,9 @@ pub(super) fn logged_position(
             )?;
             samples
         }
+        (Err(ReplayError::MissingSignal(missing)), Some(_)) => {
+            return Err(ReplayError::NoPosition(missing));
+        }
         (Err(error), Some(_)) => return Err(error),
         (Err(_), None) => return Ok(None),
     };

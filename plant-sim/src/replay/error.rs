@@ -90,6 +90,11 @@ pub enum ReplayError {
         /// Name of the signal.
         name: &'static str,
     },
+    /// The log has no position of the actuator, or one of another quantity.
+    #[error(
+        "{0}; the plant's effect actuator_volume is driven by it, so the other way is a plant file without this effect"
+    )]
+    NoPosition(MissingSignal),
     /// The position of the actuator has no value.
     #[error(
         "every sample of the position `x_actuator` is missing: log it, or leave out the column"

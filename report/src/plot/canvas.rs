@@ -144,6 +144,12 @@ impl<'a> Sheet<'a> {
             .draw(&PathElement::new(ends, stroke(colour, width_px)))?)
     }
 
+    /// Draws a filled polygon.
+    pub(super) fn polygon(&self, corners: &[Pixel], colour: RGBColor) -> Result<(), PlotError> {
+        let corners: Vec<_> = corners.iter().copied().map(scaled).collect();
+        Ok(self.area.draw(&Polygon::new(corners, colour.filled()))?)
+    }
+
     /// Draws a dot with a radius (px).
     pub(super) fn dot(
         &self,

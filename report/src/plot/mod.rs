@@ -17,6 +17,7 @@ mod quantity;
 mod regimes;
 mod remaining;
 mod settling;
+mod sketch;
 mod thesis;
 mod tuning;
 
@@ -29,5 +30,6 @@ pub use quantity::{SmallUnit, capitalised, pressure_first, signal_words, unit_of
 pub(crate) use regimes::regime;
 pub(crate) use remaining::missing_flow;
 pub(crate) use settling::{settling, settling_on_rigs};
+pub(crate) use sketch::sketch;
 pub(crate) use thesis::thesis;
 pub(crate) use tuning::trade_off;

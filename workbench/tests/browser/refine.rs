@@ -120,6 +120,16 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         let plain = person.run("return Number(document.querySelector('#error-steps .bar-row[data-signal=p_ch]').dataset.times)").await;
         let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
         assert!(added < 0.3 * plain, "{plain} {added}");
+        let sketch = "return document.querySelector('.sketch svg').textContent";
+        let drawn = person.run(sketch).await.as_str().unwrap().to_owned();
+        for text in [
+            "8.4 bar gauge",
+            "normally closed",
+            "75 cm³",
+            "+ chamber leak",
+        ] {
+            assert!(drawn.contains(text), "{text}: {drawn}");
+        }
 
         // A moving slider changes the bars but adds no step; when it rests it adds one.
         let steps = "document.querySelectorAll('#steps li').length";

@@ -42,3 +42,19 @@ fn the_page_shows_how_well_the_values_of_the_plant_are_known() {
         ]
     );
 }
+
+#[test]
+fn the_sketch_of_the_plant_has_its_effects() {
+    let bench = Bench::start();
+    let browser = bench.browser();
+    let session = browser.session(None);
+    let plant = browser.get(&format!("{session}/plant")).text();
+    let with_lag = format!("{plant}\n[effects.sensor_lag]\ntime_constant_s = 0.01\n");
+    let put = |toml: &str| {
+        let plant = json!({"name": "mine.toml", "toml": toml});
+        let shown = browser.put(&format!("{session}/plant"), &plant).json();
+        shown["plant"]["sketch"].as_str().unwrap().to_owned()
+    };
+    assert!(!put(&plant).contains("+ sensor lag"));
+    assert!(put(&with_lag).contains("+ sensor lag"));
+}

@@ -39,6 +39,8 @@ struct PlantView {
     /// Parameters that differ from the thesis model, or have a stated uncertainty.
     changed: Vec<ParameterView>,
     effects: Vec<&'static str>,
+    /// Sketch as SVG; `None` if the plant cannot be read.
+    sketch: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -112,6 +114,7 @@ fn plant_view(plant: &PlantFile) -> PlantView {
             .iter()
             .flat_map(|parameters| parameters.effects.iter().map(|effect| effect.id()))
             .collect(),
+        sketch: parameters.as_ref().and_then(report::plant_sketch),
         problems,
     }
 }

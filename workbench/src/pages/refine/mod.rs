@@ -88,6 +88,8 @@ struct RefineView {
     /// Name of the plant as opened.
     opened: String,
     plant: String,
+    /// Sketch of the plant with the effects that are on, as SVG.
+    sketch: Option<String>,
     effects: Vec<StepEffect>,
     refitted: Vec<RefittedParameter>,
     steps: Vec<StepView>,
@@ -120,6 +122,7 @@ impl RefineView {
             refitted,
             opened: history.first().plant.name.clone(),
             plant: now.plant.name.clone(),
+            sketch: report::plant_sketch(&now.plant.parameters()?),
             effects: now.effects.clone(),
             steps: steps.collect(),
             at: history.at(),

@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
 import { count, duration, number, ratesOf } from "../format.js";
 import { nextLine } from "../next.js";
+import { showSketch, sketchCard } from "../sketch.js";
 import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
 import { inspectionView } from "./inspection.js";
@@ -19,11 +20,12 @@ class Page {
   constructor(place, project, examples) {
     this.open = new Set();
     this.logs = element("div", { class: "stack" });
+    this.sketch = sketchCard();
     this.plant = element("section", { class: "card", "aria-labelledby": "plant-title" });
     this.calculated = new CalculatedChannels((channels) => this.calculate(channels));
     this.examples = element("section", { class: "card", "aria-labelledby": "examples-title" });
     fill(place, element("div", { class: "columns" },
-      element("div", { class: "stack wide" }, this.dropZone(), this.logs),
+      element("div", { class: "stack wide" }, this.dropZone(), this.logs, this.sketch),
       element("div", { class: "stack" }, this.plant, this.calculated.element, this.examples)),
       this.next = element("div", {}));
     this.listExamples(examples);
@@ -231,6 +233,7 @@ class Page {
       element("td", {}, number(parameter.nominal)),
       element("td", {}, parameter.unit),
       element("td", { class: "known" }, parameter.known)));
+    showSketch(this.sketch, plant.sketch);
     fill(this.plant,
       element("h2", { id: "plant-title" }, "Plant"),
       element("p", {}, element("strong", {}, plant.name), plant.is_nominal && " – the thesis model"),

@@ -4,6 +4,7 @@ import * as api from "../api.js";
 import { button, element, fill, showProblems } from "../dom.js";
 import { number } from "../format.js";
 import { nextLine } from "../next.js";
+import { showSketch, sketchCard } from "../sketch.js";
 import { term } from "../terms.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
@@ -43,6 +44,7 @@ class Page {
     this.fitButton = button("Fit", () => this.fit("/refine/fit"), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened or last estimated" });
     this.estimateButton = button("Estimate", () => this.fit("/refine/estimate"), { id: "estimate", title: "Estimate the ordinary parameters of the current plant (discharge, volume, preload, coils) and the effects that are on" });
     this.plant = element("strong", { id: "plant-name" });
+    this.sketch = sketchCard();
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
     this.refitted = new Refitted((change) => this.change(change));
@@ -70,7 +72,7 @@ class Page {
             element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the `, term("noise floor"), ` (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
             this.rungs, this.cost, this.refitted.element),
-          this.plots.element, this.estimated, this.experiment.element, this.fitted),
+          this.sketch, this.plots.element, this.estimated, this.experiment.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
           element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))),
@@ -133,6 +135,7 @@ class Page {
   take(state) {
     this.state = state;
     this.plant.textContent = state.plant;
+    showSketch(this.sketch, state.sketch);
     this.undo.disabled = state.at === 0;
     this.redo.disabled = state.at + 1 === state.steps.length;
     this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
