@@ -159,28 +159,39 @@ pub fn verdicts_in_operation<'a>(
     count: u32,
     conditions: ConditionScatter,
 ) -> impl ExactSizeIterator<Item = Result<RigVerdict, RigError>> + 'a {
-    (0..count).map(move |rig| {
-        let scenario = rig_in_operation(scenario, rig, conditions)?;
-        let seed = scenario.seed;
-        let run = run_in_process(&scenario).map_err(|error| RigError::Run {
-            rig,
-            seed,
-            error: Box::new(error),
-        })?;
-        let coil_temperature_c = coil_temperature_c(&scenario.plant);
-        let of_plant_v = scenario.plant.ecu.supply_voltage_v;
-        let supply_v = || {
-            scenario
-                .supply
-                .map_or(of_plant_v, |supply| supply.at_s(0.0))
-        };
-        Ok(RigVerdict {
-            rig,
-            seed,
-            supply_voltage_v: coil_temperature_c.map(|_| supply_v()),
-            coil_temperature_c,
-            verdict: run.verdict(requirement)?,
-        })
+    (0..count).map(move |rig| rig_verdict(scenario, requirement, rig, conditions))
+}
+
+/// Runs `scenario` on one rig of [`verdicts_in_operation`].
+///
+/// # Errors
+/// Returns an error if a scattered value leaves the range of its parameter, or the scenario cannot be run.
+pub fn rig_verdict(
+    scenario: &Scenario,
+    requirement: &Requirement,
+    rig: u32,
+    conditions: ConditionScatter,
+) -> Result<RigVerdict, RigError> {
+    let scenario = rig_in_operation(scenario, rig, conditions)?;
+    let seed = scenario.seed;
+    let run = run_in_process(&scenario).map_err(|error| RigError::Run {
+        rig,
+        seed,
+        error: Box::new(error),
+    })?;
+    let coil_temperature_c = coil_temperature_c(&scenario.plant);
+    let of_plant_v = scenario.plant.ecu.supply_voltage_v;
+    let supply_v = || {
+        scenario
+            .supply
+            .map_or(of_plant_v, |supply| supply.at_s(0.0))
+    };
+    Ok(RigVerdict {
+        rig,
+        seed,
+        supply_voltage_v: coil_temperature_c.map(|_| supply_v()),
+        coil_temperature_c,
+        verdict: run.verdict(requirement)?,
     })
 }
 
