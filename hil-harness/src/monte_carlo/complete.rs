@@ -1,16 +1,58 @@
 //! Computation of the rows that a journal lacks, on several threads.
 
 use core::num::NonZero;
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::Path;
 use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 use super::error::MonteCarloError;
 use super::journal::{CHUNK_RIGS, Journal};
 use super::row::RigRow;
+use super::settings::RunSettings;
+use super::summary::Summary;
+use super::table::{RowReader, TableError};
 use crate::rigs::RigError;
+
+/// Returns the summary of the table `out` if it already has the rows of `rigs` with these settings, so that nothing is to be
+/// done; its first row is computed with `row` and compared.
+///
+/// # Errors
+/// Returns the error of that rig.
+pub fn finished(
+    out: &Path,
+    settings: &RunSettings,
+    rigs: Range<u32>,
+    row: &impl Fn(u32) -> Result<RigRow, RigError>,
+) -> Result<Option<Summary>, RigError> {
+    let rows = || -> Result<Option<(Summary, Option<RigRow>)>, TableError> {
+        let table = RowReader::open(File::open(out)?)?;
+        if table.settings() != settings {
+            return Ok(None);
+        }
+        let (mut summary, mut first, mut expected) = (Summary::default(), None, rigs);
+        for row in table {
+            let row = row?;
+            if expected.next() != Some(row.rig) {
+                return Ok(None);
+            }
+            summary.add(&row);
+            first.get_or_insert(row);
+        }
+        Ok(expected.is_empty().then_some((summary, first)))
+    };
+    // A file that cannot be read is no finished table, and is replaced.
+    let Ok(Some((summary, first))) = rows() else {
+        return Ok(None);
+    };
+    Ok(match first {
+        Some(first) if row(first.rig)? != first => None,
+        _ => Some(summary),
+    })
+}
 
 /// Computes with `row` each row that `journal` lacks, on `jobs` threads. `watch` is called after each rig with the number of
 /// rigs computed so far, and may stop the run.

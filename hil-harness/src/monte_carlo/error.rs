@@ -35,7 +35,7 @@ pub enum MonteCarloError {
     },
     /// The journal belongs to a run with other settings.
     #[error(
-        "{}: the unfinished part of a run with other settings: the {} was `{}` and is `{}`; repeat the command of that run, \
+        "{}: the unfinished part of a run with other settings: {} `{}` there and `{}` now; repeat the command of that run, \
          remove the part, or name another --rigs-out", path.display(), difference.name, difference.lines[0],
         difference.lines[1]
     )]

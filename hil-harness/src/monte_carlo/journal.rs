@@ -14,7 +14,7 @@ use hil_protocol::crc32;
 
 use super::error::MonteCarloError;
 use super::row::RigRow;
-use super::settings::{Difference, RunSettings};
+use super::settings::RunSettings;
 use super::summary::Summary;
 use super::table::{RowReader, RowWriter, TableError};
 
@@ -25,7 +25,7 @@ pub(super) const CHUNK_RIGS: u32 = 64;
 /// Largest record (bytes).
 const RECORD_BYTES_MAX: u32 = 1 << 28;
 /// Name of the setting with the rigs of the shard.
-const SHARD: &str = "rigs of this file";
+const SHARD: &str = "shard";
 
 /// Finished rows of an unfinished run, on the disk.
 #[derive(Debug)]
@@ -89,7 +89,11 @@ impl Journal {
     /// Returns the settings of the run and the rigs of the shard.
     fn header(&self) -> RunSettings {
         let Range { start, end } = self.rigs;
-        self.settings.with(SHARD, format!("{start}..{end}"))
+        let rigs = match end > start {
+            true => format!("rigs {start} to {}", end - 1),
+            false => "no rigs".to_owned(),
+        };
+        self.settings.with(SHARD, rigs)
     }
 
     /// Reads the settings and the places of all chunks. A file that ends within its settings has no chunk yet.
@@ -117,7 +121,7 @@ impl Journal {
         if let Some(difference) = stored.difference(&self.header()) {
             return Err(MonteCarloError::OtherSettings {
                 path: self.path.clone(),
-                difference: shown(difference),
+                difference,
             });
         }
         self.end = MAGIC.len() as u64 + header.size();
@@ -287,17 +291,6 @@ impl Journal {
             path: self.path.clone(),
             reason: reason.to_owned(),
         }
-    }
-}
-
-/// Returns the difference with `rigs 0 to 9` for the range of a shard.
-fn shown(difference: Difference) -> Difference {
-    match difference.name == SHARD {
-        true => Difference {
-            name: "shard".to_owned(),
-            lines: difference.lines.map(|range| format!("rigs {range}")),
-        },
-        false => difference,
     }
 }
 

@@ -21,7 +21,7 @@ mod tests;
 
 pub use batch::Batch;
 pub use columns::{COLUMNS, Column};
-pub use complete::complete;
+pub use complete::{complete, finished};
 pub use error::MonteCarloError;
 pub use journal::Journal;
 pub use merge::{MergeError, merge};

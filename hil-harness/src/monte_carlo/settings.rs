@@ -87,6 +87,6 @@ impl RunSettings {
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [one, other] = &self.lines;
-        write!(f, "the {} differs, `{one}` and `{other}`", self.name)
+        write!(f, "{} `{one}` and `{other}`", self.name)
     }
 }

@@ -213,7 +213,7 @@ fn a_journal_of_other_settings_is_refused_with_the_difference() {
         &other_seed,
         &[
             "rigs.part: ",
-            "the seed was `1` and is `2`",
+            "seed `1` there and `2` now",
             "remove the part",
         ],
     );
@@ -222,14 +222,46 @@ fn a_journal_of_other_settings_is_refused_with_the_difference() {
         (name.to_owned(), text)
     }));
     let other_plant = open(&other_plant, Shard::WHOLE);
-    let expected = "the plant was `resistance_ohm = 82` and is `resistance_ohm = 83`";
+    let expected = "plant `resistance_ohm = 82` there and `resistance_ohm = 83` now";
     assert_parts(&other_plant, &[expected]);
     let other_shard = open(&settings(1), shard("1/2"));
     assert_parts(
         &other_shard,
-        &["the shard was `rigs 0..150` and is `rigs 0..75`"],
+        &["shard `rigs 0 to 149` there and `rigs 0 to 74` now"],
     );
     assert_eq!(bench.journal(Shard::WHOLE).unwrap().done(), 64);
+}
+
+#[test]
+fn a_finished_table_is_not_computed_again() {
+    let bench = Bench::new();
+    let whole = bench.path("whole");
+    fs::write(&whole, bench.table(Shard::WHOLE, 1)).unwrap();
+    let is_finished = |path: &PathBuf, settings: &RunSettings, rigs, overshoot_bar| {
+        let row = |rig| {
+            Ok(RigRow {
+                overshoot_bar,
+                ..row(rig)
+            })
+        };
+        let summary = finished(path, settings, rigs, &row).unwrap();
+        summary.is_some_and(|summary| summary.rigs == RIGS)
+    };
+    let first_bar = row(0).overshoot_bar;
+    assert!(is_finished(&whole, &settings(1), 0..RIGS, first_bar));
+    assert!(!is_finished(&whole, &settings(2), 0..RIGS, first_bar));
+    assert!(!is_finished(&whole, &settings(1), 0..RIGS + 1, first_bar));
+    assert!(!is_finished(&whole, &settings(1), 0..RIGS - 1, first_bar));
+    assert!(
+        !is_finished(&whole, &settings(1), 0..RIGS, Some(0.123)),
+        "another build"
+    );
+    assert!(!is_finished(
+        &bench.path("missing"),
+        &settings(1),
+        0..RIGS,
+        first_bar
+    ));
 }
 
 #[test]
@@ -344,7 +376,7 @@ fn a_merge_refuses_gaps_duplicates_and_other_runs() {
     fs::write(&path, other.write(Vec::new()).unwrap().0).unwrap();
     let parts = [
         "1of3 and ",
-        "other: shards of different runs: the seed differs, `1` and `2`",
+        "other: shards of different runs: seed `1` and `2`",
     ];
     check(&[&one, &two, &path], &parts);
 }

@@ -1,5 +1,8 @@
 //! Text of a table of rigs.
 
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
 use hil_harness::monte_carlo::{COLUMNS, RigRow, Summary};
 
 use super::number::significant;
@@ -29,8 +32,18 @@ pub(super) fn rig_table(table: &RigTable, terminal: &Terminal) -> String {
         text += &paragraph(&shares, terminal);
     }
     if let Some(worst) = &summary.worst {
-        let command = batch.as_ref().map(|batch| &*batch.command);
-        text += &paragraph(&worst_rig(worst, command), terminal);
+        text += &paragraph(&worst_rig(worst), terminal);
+        // A command is one line, however long.
+        text += &match batch {
+            Some(batch) => format!("Repeat it:\n  {} --rig {}\n", batch.command, worst.rig),
+            None => paragraph(
+                &format!(
+                    "Repeat it with the command of its shard, and `--rig {}` in place of --rigs, --rigs-out and --shard.",
+                    worst.rig
+                ),
+                terminal,
+            ),
+        };
     }
     if let Some(batch) = batch {
         text += &paragraph(&cost(&batch.cost), terminal);
@@ -77,7 +90,7 @@ fn figures(summary: &Summary, terminal: &Terminal) -> String {
             ("mean", Align::Right),
             ("worst", Align::Right),
             ("unit", Align::Left),
-            ("rig", Align::Right),
+            ("worst rig", Align::Right),
             ("rigs", Align::Right),
         ],
         terminal,
@@ -114,14 +127,10 @@ fn figures(summary: &Summary, terminal: &Terminal) -> String {
 }
 
 /// Returns the share of the rigs of each name, the largest first; `None` if there are no names.
-fn shares(
-    what: &str,
-    counts: &std::collections::BTreeMap<String, u32>,
-    rigs: u32,
-) -> Option<String> {
+fn shares(what: &str, counts: &BTreeMap<String, u32>, rigs: u32) -> Option<String> {
     let mut counts: Vec<(&String, u32)> =
         counts.iter().map(|(name, &count)| (name, count)).collect();
-    counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+    counts.sort_by_key(|&(_, count)| Reverse(count));
     let share = |count| significant(100.0 * f64::from(count) / f64::from(rigs), 3);
     let shares: Vec<String> = counts
         .iter()
@@ -130,8 +139,8 @@ fn shares(
     (!shares.is_empty()).then(|| format!("{what}: {}.", shares.join(", ")))
 }
 
-/// Returns the worst rig and how to run it alone.
-fn worst_rig(worst: &RigRow, command: Option<&str>) -> String {
+/// Returns the worst rig in a sentence.
+fn worst_rig(worst: &RigRow) -> String {
     let RigRow { rig, seed, .. } = worst;
     let mut text = format!("Worst: rig {rig} (seed {seed})");
     if let Some((volt, celsius)) = worst.supply_voltage_v.zip(worst.coil_temperature_c) {
@@ -151,19 +160,12 @@ fn worst_rig(worst: &RigRow, command: Option<&str>) -> String {
             worst.confirmed_faults.replace(',', ", ")
         );
     }
-    match command {
-        Some(command) => text + &format!(". Repeat it: {command} --rig {rig}"),
-        None => {
-            text + &format!(
-                ". Repeat it with the options of its shard, and `--rig {rig}` in place of --rigs, --rigs-out and --shard."
-            )
-        }
-    }
+    text + "."
 }
 
 fn cost(cost: &Cost) -> String {
     if cost.rigs == 0 {
-        return "All rigs were in the unfinished part.".to_owned();
+        return "No rig was run: all were finished before.".to_owned();
     }
     let speed = cost.rig_seconds_per_s();
     format!(

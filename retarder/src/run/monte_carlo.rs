@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hil_harness::monte_carlo::{
-    Batch, Journal, MergeError, MonteCarloError, Shard, Summary, complete, merge,
+    Batch, Journal, MergeError, MonteCarloError, Shard, Summary, complete, finished, merge,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -73,9 +73,8 @@ impl Cost {
     }
 }
 
-/// Runs the rigs that the unfinished part of the table lacks, and writes the table.
+/// Runs the rigs that neither the table nor its unfinished part has, and writes the table.
 pub(crate) fn run(task: Task) -> Result<RigTable, Failure> {
-    let is_interrupted = interrupt::flag()?;
     let scenario = &task.scenario;
     let batch = Batch {
         scenario: scenario.scenario.clone(),
@@ -83,9 +82,39 @@ pub(crate) fn run(task: Task) -> Result<RigTable, Failure> {
         conditions: scenario.scatter(),
         rigs: task.rigs,
     };
-    let path = Journal::path_of(&task.out);
     let rigs = task.shard.rigs(task.rigs);
-    let mut journal = Journal::open(path, &batch.settings(), rigs)?;
+    let done = finished(&task.out, &batch.settings(), rigs, &|rig| batch.row(rig))?;
+    let (summary, rigs_run, elapsed_s) = match done {
+        Some(summary) => (summary, 0, 0.0),
+        None => computed(&task, &batch)?,
+    };
+    let plant = &batch.scenario.plant;
+    Ok(RigTable {
+        summary,
+        batch: Some(RunBatch {
+            title: format!(
+                "{}: {} on {}",
+                batch.scenario.name, scenario.controller, scenario.plant
+            ),
+            command: task.command,
+            cost: Cost {
+                rigs: rigs_run,
+                rig_s: f64::from(batch.scenario.duration_samples) * plant.ecu.sample_time_s,
+                elapsed_s,
+                jobs: task.jobs,
+            },
+        }),
+        out: task.out,
+    })
+}
+
+/// Runs the rigs that the unfinished part lacks, and writes the table; returns its summary, the number of rigs that were run
+/// and their time (s).
+fn computed(task: &Task, batch: &Batch) -> Result<(Summary, u32, f64), Failure> {
+    let is_interrupted = interrupt::flag()?;
+    let part = Journal::path_of(&task.out);
+    let rigs = task.shard.rigs(task.rigs);
+    let mut journal = Journal::open(part, &batch.settings(), rigs)?;
     let missing = journal.rigs() - journal.done();
     let progress = Progress::of_count("rigs", journal.rigs().into());
     progress.skip(journal.done().into());
@@ -98,7 +127,6 @@ pub(crate) fn run(task: Task) -> Result<RigTable, Failure> {
         }
     })?;
     let elapsed_s = begin.elapsed().as_secs_f64();
-    drop(progress);
     let failed = |error| Failure::write(Some(&task.out), error);
     let file = task.existing.begin(&task.out).map_err(failed)?;
     let (file, summary) = journal.write(file).map_err(|error| match error {
@@ -107,25 +135,7 @@ pub(crate) fn run(task: Task) -> Result<RigTable, Failure> {
     })?;
     file.commit().map_err(failed)?;
     journal.remove()?;
-    let seconds =
-        f64::from(batch.scenario.duration_samples) * batch.scenario.plant.ecu.sample_time_s;
-    Ok(RigTable {
-        summary,
-        batch: Some(RunBatch {
-            title: format!(
-                "{}: {} on {}",
-                batch.scenario.name, scenario.controller, scenario.plant
-            ),
-            command: task.command,
-            cost: Cost {
-                rigs: missing,
-                rig_s: seconds,
-                elapsed_s,
-                jobs: task.jobs,
-            },
-        }),
-        out: task.out,
-    })
+    Ok((summary, missing, elapsed_s))
 }
 
 /// Merges the tables of shards.
