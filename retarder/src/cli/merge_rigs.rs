@@ -13,8 +13,8 @@ Examples:
   retarder control --rigs 10000 --shard 2/2 --rigs-out two.parquet
   retarder merge-rigs one.parquet two.parquet --out rigs.parquet
 
-The result has the same bytes as the file of `control --rigs 10000 --rigs-out rigs.parquet`. A rig that
-is in no file or in two, and a file of another run, are refused.
+The result has the bytes of the file of `control --rigs 10000 --rigs-out rigs.parquet`. Rigs that are
+in no file or in two, and files of another run, are refused.
 Exit status: 0 every rig meets every binding requirement, 1 at least one does not, 2 could not run.")]
 pub(crate) struct MergeRigsArgs {
     /// Files of all shards, in any order

@@ -22,6 +22,11 @@ pub(super) fn rig_table(table: &RigTable, terminal: &Terminal) -> String {
         Some(batch) => title(&format!("{rigs} of {}", batch.title), terminal),
         None => title(&format!("{rigs}, merged"), terminal),
     };
+    let written = format!("\nWritten: {}", out.display());
+    if summary.rigs == 0 {
+        text += &paragraph("No rigs: the batch has fewer rigs than shards.", terminal);
+        return text + &written;
+    }
     text += &conditions(summary, terminal);
     text += "\n";
     text += &figures(summary, terminal);
@@ -58,7 +63,7 @@ pub(super) fn rig_table(table: &RigTable, terminal: &Terminal) -> String {
     );
     text += "\n";
     text += &painted_paragraph(colour, &answer, terminal);
-    text + &format!("\nWritten: {}", out.display())
+    text + &written
 }
 
 fn counted(count: u32, what: &str) -> String {

@@ -87,6 +87,18 @@ fn a_table_has_the_same_bytes_on_any_number_of_threads_after_a_kill_and_merged_f
         ran.ended_with(2);
         assert!(!bench.path("bad.parquet").exists());
     };
+    let empty = [
+        "control",
+        "--rigs",
+        "2",
+        "--rigs-out",
+        "empty.parquet",
+        "--shard",
+        "1/3",
+    ];
+    let empty = bench.run(&empty).ended_with(0);
+    assert_contains(&empty, &["No rigs: the batch has fewer rigs than shards."]);
+
     refused(
         &[one, three],
         &["error: rig 43 to 85 of 130 are in no file"],
