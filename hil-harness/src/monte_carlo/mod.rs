@@ -1,8 +1,8 @@
 //! Robustness of the loop on many rigs (Monte Carlo): one row of figures for each rig, as a Parquet file.
 //!
-//! [`Batch`] computes the row of a rig. [`complete`] computes all rows of a [`Shard`] on several threads, and a
+//! [`Batch`] computes the row of a rig. [`complete()`] computes all rows of a [`Shard`] on several threads, and a
 //! [`Journal`] beside the output keeps those that are done: a killed run continues there. Rows go to the output in the
-//! order of the rigs, so its bytes depend on neither the threads nor the kills. [`merge`] joins the files of all shards
+//! order of the rigs, so its bytes depend on neither the threads nor the kills. [`merge()`] joins the files of all shards
 //! to the file of a run without shards.
 
 mod batch;

@@ -200,6 +200,20 @@ fn a_journal_that_was_cut_off_anywhere_gives_the_same_file() {
     }
 }
 
+/// A chunk whose bytes changed is computed again, and so are those behind it.
+#[test]
+fn a_chunk_that_is_damaged_on_the_disk_is_computed_again() {
+    let bench = Bench::new();
+    bench.interrupted(1, 140);
+    let path = bench.path("rigs.part");
+    let mut journal = fs::read(&path).unwrap();
+    let last = journal.len() - 100;
+    journal[last] ^= 1;
+    fs::write(&path, journal).unwrap();
+    assert_eq!(bench.journal(Shard::WHOLE).unwrap().done(), 64);
+    assert!(bench.table(Shard::WHOLE, 1) == whole());
+}
+
 #[test]
 fn a_journal_of_other_settings_is_refused_with_the_difference() {
     let bench = Bench::new();
