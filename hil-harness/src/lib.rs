@@ -16,6 +16,7 @@ pub mod image;
 pub mod image_log;
 pub mod lead_in;
 pub mod link;
+pub mod monte_carlo;
 pub mod operating_conditions;
 pub mod physical_minimum;
 pub mod pulse_table;

@@ -12,6 +12,7 @@ use hil_harness::duty_limits::NoDutyLimit;
 use hil_harness::gain_search::SearchError;
 use hil_harness::image::ImageError;
 use hil_harness::link::{LinkError, SerialError};
+use hil_harness::monte_carlo::{MergeError, MonteCarloError};
 #[cfg(unix)]
 use hil_harness::qemu::QemuError;
 use hil_harness::reference_profile::ProfileError;
@@ -209,6 +210,20 @@ pub(crate) enum Failure {
     Judge(#[from] JudgeError),
     #[error(transparent)]
     Rigs(#[from] RigError),
+    #[error(transparent)]
+    MonteCarlo(#[from] MonteCarloError),
+    #[error(transparent)]
+    Merge(#[from] MergeError),
+    #[error("--rigs-out with 0 rigs: a table needs at least one; give --rigs COUNT")]
+    NoRigs,
+    #[error(
+        "--rigs {count}: {max} at most without --rigs-out, because every verdict is kept in memory; add --rigs-out rigs.parquet"
+    )]
+    TooManyRigs { count: u32, max: u32 },
+    #[error(
+        "{}: tables of rigs are written as Parquet; choose a name that ends in .parquet", path.display()
+    )]
+    OnlyParquet { path: PathBuf },
     #[error("{}: {error}", target(path))]
     Write {
         path: Option<PathBuf>,

@@ -16,9 +16,9 @@ use crate::input::is_built_in_controller;
 use crate::targets::{Existing, is_standard_output};
 
 /// Options that name a file to write; every other option with a file names one to read.
-const OUTPUTS: [&str; 4] = ["out", "html", "json", "missing_flow"];
-/// Arguments without a name that name a log to read.
-const POSITIONAL: [&str; 2] = ["path", "paths"];
+const OUTPUTS: [&str; 5] = ["out", "html", "json", "missing_flow", "rigs_out"];
+/// Arguments without a name that name a file to read, and their names in messages.
+const POSITIONAL: [(&str, &str); 3] = [("path", "LOG"), ("paths", "LOG"), ("shards", "FILE")];
 /// Commands whose output may replace their input: command, input option and output option.
 const REPLACES_ITS_INPUT: [(&str, &str, &str); 1] = [("refine", "plant", "out")];
 /// File that the demo writes.
@@ -167,9 +167,9 @@ impl Named {
     fn new(option: &str, path: &Path, identity: Option<FileIdentity>) -> Self {
         Self {
             option: option.to_owned(),
-            label: match POSITIONAL.contains(&option) {
-                true => "LOG".to_owned(),
-                false => format!("--{option}"),
+            label: match POSITIONAL.iter().find(|(name, _)| *name == option) {
+                Some((_, label)) => (*label).to_owned(),
+                None => format!("--{}", option.replace('_', "-")),
             },
             path: path.to_path_buf(),
             identity,
@@ -254,7 +254,7 @@ mod tests {
     use crate::cli::Cli;
 
     /// Options that name a file to read.
-    const INPUTS: [&str; 11] = [
+    const INPUTS: [&str; 12] = [
         "path",
         "paths",
         "log",
@@ -266,6 +266,7 @@ mod tests {
         "requirements",
         "reference",
         "image",
+        "shards",
     ];
 
     fn check(command: &Command) {

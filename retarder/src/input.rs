@@ -4,9 +4,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use hil_harness::operating_conditions::coil_temperature_c;
+use hil_harness::rigs::rig_in_operation;
 use hil_harness::scenario::missing_part;
 use hil_harness::{
-    OperatingConditions, ReferenceProfile, Requirement, Scenario, controller_file, requirement_file,
+    ConditionScatter, OperatingConditions, ReferenceProfile, Requirement, Scenario,
+    controller_file, requirement_file,
 };
 use model_lab::diagnosis::{fix, free};
 use plant_sim::parameters::Part;
@@ -441,6 +444,36 @@ impl NamedScenario {
         sentences.join(" ")
     }
 
+    /// Returns the scatter of the operating conditions that were not given.
+    pub(crate) fn scatter(&self) -> ConditionScatter {
+        let vehicle = ConditionScatter::vehicle(&self.scenario.plant);
+        let OperatingConditions {
+            supply,
+            coil_temperature_c,
+        } = self.conditions;
+        ConditionScatter {
+            supply_voltage_v: vehicle.supply_voltage_v.filter(|_| supply.is_none()),
+            coil_temperature_c: vehicle
+                .coil_temperature_c
+                .filter(|_| coil_temperature_c.is_none()),
+        }
+    }
+
+    /// Returns the scenario on one rig of the batch that `control --rigs` runs.
+    pub(crate) fn on_rig(self, rig: u32) -> Result<Self, Failure> {
+        let scenario = rig_in_operation(&self.scenario, rig, self.scatter())?;
+        let conditions = OperatingConditions {
+            supply: scenario.supply,
+            coil_temperature_c: coil_temperature_c(&scenario.plant),
+        };
+        Ok(Self {
+            plant: format!("rig {rig} of {}", self.plant),
+            scenario,
+            conditions,
+            ..self
+        })
+    }
+
     /// Returns the built-in scenario `name` with the recommended controller.
     pub(crate) fn built_in(name: &str) -> Option<Self> {
         let scenario = Scenario::built_in(name)?;
@@ -474,14 +507,18 @@ impl NamedScenario {
             .on(plant.parameters)
             .controlled_by(controller.settings)
             .seeded(args.seed);
-        Ok(Self {
+        let scenario = Self {
             scenario: under(conditions, scenario)?,
             conditions,
             requirements,
             plant: plant.name,
             controller: controller.name,
             inputs,
-        })
+        };
+        match args.rig {
+            Some(rig) => scenario.on_rig(rig),
+            None => Ok(scenario),
+        }
     }
 }
 

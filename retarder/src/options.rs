@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use crate::cli::{Assignment, Freed, ImportArgs, LogsArgs, PlantArgs};
+use hil_harness::Supply;
+
+use crate::cli::{
+    Assignment, ControlArgs, DEFAULT_SCENARIO, Freed, ImportArgs, LogsArgs, PlantArgs,
+};
 use crate::shell::quoted;
 
 /// Options that name plant and logs.
@@ -84,6 +88,33 @@ impl Options {
         let plant = paths("--plant", &[plant]);
         format!("{plant}{}{}", self.first_log, self.mapping)
     }
+}
+
+/// Returns the command that runs one rig of a batch, without the number of the rig.
+pub(crate) fn command_of_rig(args: &ControlArgs) -> String {
+    let sets = args.plant.set.iter().map(|Assignment { name, value }| {
+        let assignment = format!("{name}={value}");
+        option("--set", &assignment)
+    });
+    let scenario = Some(&*args.scenario).filter(|&scenario| scenario != DEFAULT_SCENARIO);
+    let supply = args.conditions.supply_voltage.map(|supply| match supply {
+        Supply::Constant(volt) => option("--supply-voltage", &volt.to_string()),
+        Supply::Profile(profile) => option("--supply-voltage", profile.name),
+    });
+    let celsius = args.conditions.coil_temperature;
+    let celsius = celsius.map(|celsius| option("--coil-temperature", &celsius.to_string()));
+    let options = [
+        paths("--plant", args.plant.plant.as_slice()),
+        sets.collect(),
+        paths("--controller", &[&args.controller.controller]),
+        paths("--reference", args.reference.as_slice()),
+        scenario.map_or_else(String::new, |scenario| option("--scenario", scenario)),
+        option("--seed", &args.seed.to_string()),
+        supply.unwrap_or_default(),
+        celsius.unwrap_or_default(),
+        paths("--requirements", args.requirements.requirements.as_slice()),
+    ];
+    format!("retarder control{}", options.concat())
 }
 
 /// Returns the options that state how a log is read.

@@ -156,6 +156,7 @@ fn json(outcome: &Outcome) -> Option<String> {
             None if controlled.rigs.is_empty() => serde_json::to_string_pretty(&controlled.verdict),
             None => serde_json::to_string_pretty(&controlled.rigs()),
         },
+        Outcome::RigTable(table) => serde_json::to_string_pretty(&table.summary()),
         Outcome::BlackBox(black_box) => serde_json::to_string_pretty(black_box),
         Outcome::Inspection(inspected) => {
             let logs = inspected.logs.iter().map(|(_, log)| log);

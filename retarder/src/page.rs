@@ -133,6 +133,7 @@ pub(crate) fn html(outcome: &Outcome) -> Option<String> {
         | Outcome::DeviceSignals
         | Outcome::Measurement(_)
         | Outcome::Inspection(_)
+        | Outcome::RigTable(_)
         | Outcome::Text(_) => return None,
     })
 }

@@ -59,6 +59,12 @@ impl Progress {
         self.0.inc(1);
     }
 
+    /// Counts steps that were completed before.
+    pub(crate) fn skip(&self, steps: u64) {
+        self.0.inc(steps);
+        self.0.reset_eta();
+    }
+
     /// Shows the completed share `done` of `stage`, 0 to 1.
     pub(crate) fn reach(&self, stage: &'static str, done: f64) {
         if self.0.message() != stage {

@@ -1,8 +1,10 @@
 //! Tasks with every file read and every value checked.
 
 use std::io::{Write as _, stderr, stdin};
-use std::path::PathBuf;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::thread;
 
 use clap::CommandFactory as _;
 use hil_harness::gain_search::Search;
@@ -15,18 +17,18 @@ use recording::{LogFormat, OpenLog, Recording};
 
 use crate::cli::{
     BlackBoxArgs, CalibrateCommand, Cli, Command, CompareArgs, ControlArgs, DiagnoseArgs,
-    InspectArgs, LogsArgs, NextExperimentArgs, ParametersArgs, PlantArgs, RefineArgs, ReportArgs,
-    SchemaName, SimulateArgs, TabArgs,
+    InspectArgs, LogsArgs, MergeRigsArgs, NextExperimentArgs, ParametersArgs, PlantArgs,
+    RefineArgs, ReportArgs, SchemaName, SimulateArgs, TabArgs,
 };
 use crate::datasheet_dialogue;
 use crate::failure::Failure;
 use crate::files::{DEMO_REPORT, Files};
 use crate::input::{self, NamedController, NamedPlant, NamedRequirement, NamedScenario};
-use crate::options::Options;
+use crate::options::{Options, command_of_rig};
 use crate::print::{self, Live, Terminal};
 use crate::run::diagnose::Asked;
 use crate::run::{self, Outcome, schema};
-use crate::targets::{Targets, is_standard_output};
+use crate::targets::{Existing, Targets, is_standard_output};
 
 /// Task and the destinations of its results.
 pub(crate) struct Task {
@@ -50,6 +52,8 @@ enum Work {
         scenario: Box<NamedScenario>,
         rigs: u32,
     },
+    MonteCarlo(Box<run::monte_carlo::Task>),
+    MergeRigs(run::monte_carlo::MergeTask),
     NextExperiment(Box<run::next_experiment::Task>),
     Report(Box<run::session::Task>),
     OnDevice(Box<run::device::Task>),
@@ -91,6 +95,7 @@ impl Task {
             Some(Command::Refine(args)) => refine(args, &mut targets)?,
             Some(Command::NextExperiment(args)) => next_experiment(args, &mut targets)?,
             Some(Command::Control(args)) => control(args, &mut targets)?,
+            Some(Command::MergeRigs(args)) => merge_rigs(args, &mut targets)?,
             Some(Command::Report(args)) => report(args, &mut targets)?,
             Some(Command::BlackBox(mut args)) => {
                 targets.recording = as_csv(args.out.out.take())?;
@@ -230,6 +235,8 @@ impl Task {
                 let never = AtomicBool::new(false);
                 Outcome::Control(Box::new(run::control::run(*scenario, rigs, &never)?))
             }
+            Work::MonteCarlo(task) => Outcome::RigTable(Box::new(run::monte_carlo::run(*task)?)),
+            Work::MergeRigs(task) => Outcome::RigTable(Box::new(run::monte_carlo::merged(task)?)),
             Work::NextExperiment(task) if task.effects.is_empty() => {
                 let determining = run::next_experiment::determine(*task)?;
                 Outcome::DeterminingExperiment(Box::new(determining))
@@ -398,6 +405,17 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
         &scenario.scenario,
         &Terminal::standard_error(),
     ));
+    if let Some(out) = &args.rigs_out {
+        let task = monte_carlo(&args, *scenario, out, targets.existing)?;
+        targets.json = args.json.json;
+        return Ok(Work::MonteCarlo(Box::new(task)));
+    }
+    if args.rigs > RIGS_IN_MEMORY_MAX {
+        return Err(Failure::TooManyRigs {
+            count: args.rigs,
+            max: RIGS_IN_MEMORY_MAX,
+        });
+    }
     (targets.json, targets.html) = (args.json.json, args.html.html);
     targets.recording = args.out.out;
     Ok(match args.dut {
@@ -412,6 +430,40 @@ fn control(args: ControlArgs, targets: &mut Targets) -> Result<Work, Failure> {
             pace: args.pace,
         })),
     })
+}
+
+/// Largest number of rigs whose verdicts are kept in memory.
+const RIGS_IN_MEMORY_MAX: u32 = 100_000;
+
+fn monte_carlo(
+    args: &ControlArgs,
+    scenario: NamedScenario,
+    out: &Path,
+    existing: Existing,
+) -> Result<run::monte_carlo::Task, Failure> {
+    if args.rigs == 0 {
+        return Err(Failure::NoRigs);
+    }
+    let jobs = args.jobs.and_then(|jobs| NonZero::new(jobs.into()));
+    let cores = || thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
+    Ok(run::monte_carlo::Task {
+        command: command_of_rig(args),
+        scenario,
+        rigs: args.rigs,
+        shard: args.shard,
+        jobs: jobs.unwrap_or_else(cores),
+        out: as_parquet(out.to_path_buf())?,
+        existing,
+    })
+}
+
+fn merge_rigs(args: MergeRigsArgs, targets: &mut Targets) -> Result<Work, Failure> {
+    targets.json = args.json.json;
+    Ok(Work::MergeRigs(run::monte_carlo::MergeTask {
+        shards: args.shards,
+        out: as_parquet(args.out)?,
+        existing: targets.existing,
+    }))
 }
 
 fn report(args: ReportArgs, targets: &mut Targets) -> Result<Work, Failure> {
@@ -443,6 +495,14 @@ fn as_csv(path: Option<PathBuf>) -> Result<Option<PathBuf>, Failure> {
     match path {
         Some(path) if LogFormat::of_name(&path) != LogFormat::Csv => Err(Failure::OnlyCsv { path }),
         path => Ok(path),
+    }
+}
+
+/// Returns the path of a table of rigs.
+fn as_parquet(path: PathBuf) -> Result<PathBuf, Failure> {
+    match LogFormat::of_name(&path) {
+        LogFormat::Parquet => Ok(path),
+        _ => Err(Failure::OnlyParquet { path }),
     }
 }
 

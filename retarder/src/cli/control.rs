@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueHint};
+use hil_harness::monte_carlo::Shard;
 use hil_harness::scenario::BUILT_IN;
 use hil_harness::voltage_profile::VOLTAGE_PROFILES;
 use hil_harness::{OperatingConditions, Supply, VoltageProfile};
@@ -18,6 +19,9 @@ Examples:
   retarder control --controller thesis --scenario fill-requirement
   retarder control --plant my-plant.toml --controller my-controller.toml --reference profile.csv
   retarder control --rigs 200                 robustness: 200 rigs of vehicles, scattered parameters and conditions
+  retarder control --rigs 100000 --rigs-out rigs.parquet     a row of figures for each rig; continues after a kill
+  retarder control --rigs 100000 --rigs-out 2of8.parquet --shard 2/8     a part of them; `merge-rigs` joins the parts
+  retarder control --rig 4711                 one of these rigs alone, with plots
   retarder control --supply-voltage 28 --coil-temperature 90
   retarder control --supply-voltage cranking --requirements my-requirements.toml
   retarder control --out run.csv --json       the time series as CSV, the verdict as JSON
@@ -49,8 +53,21 @@ pub(crate) struct ControlArgs {
     pub(crate) pace: u32,
     /// Number of additional rigs, with parameters scattered about the plant; supply voltage and coil temperature are
     /// those of vehicles (18 to 32 V of 24 V, -40 to 120 degC) where they are not given
-    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=RIGS_MAX))]
     pub(crate) rigs: u32,
+    /// Run this rig of the batch alone, by its number from 0; --seed and conditions are those of the batch
+    #[arg(long, value_name = "NUMBER", conflicts_with = "rigs")]
+    pub(crate) rig: Option<u32>,
+    /// Run the rigs only, and write a row of figures for each to this Parquet file. Finished rigs are kept in FILE.part
+    /// until the end: after a kill or Ctrl-C, the same command continues
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "rigs", conflicts_with_all = ["dut", "out", "html"])]
+    pub(crate) rigs_out: Option<PathBuf>,
+    /// Run part K of N equal parts of the rigs, such as 2/8; `retarder merge-rigs` joins the files of all parts
+    #[arg(long, value_name = "K/N", default_value = "1/1", requires = "rigs_out")]
+    pub(crate) shard: Shard,
+    /// Number of threads for --rigs-out; without this option one for each core. The file does not depend on it
+    #[arg(long, value_name = "COUNT", requires = "rigs_out", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
     /// Seed of sensor noise and of the scatter of the rigs
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -65,6 +82,9 @@ pub(crate) struct ControlArgs {
     #[command(flatten)]
     pub(crate) json: JsonArg,
 }
+
+/// Largest number of rigs of a batch.
+const RIGS_MAX: i64 = 10_000_000;
 
 /// Scenario of the thesis' figures: the staircase (thesis figure 6.5).
 pub(crate) const DEFAULT_SCENARIO: &str = "figure-6.5";

@@ -4,6 +4,7 @@ mod control;
 mod device;
 mod diagnosis;
 mod inspect;
+mod merge_rigs;
 mod next_experiment;
 mod report;
 mod schema;
@@ -25,6 +26,7 @@ pub(crate) use device::{
 };
 pub(crate) use diagnosis::{DiagnoseArgs, Freed, KnowledgeArgs, LogsArgs, RefineArgs};
 pub(crate) use inspect::{ImportArgs, InspectArgs, SKIPPED_MAX, reference_name};
+pub(crate) use merge_rigs::MergeRigsArgs;
 pub(crate) use next_experiment::NextExperimentArgs;
 pub(crate) use report::{ReportArgs, ReportPart};
 pub(crate) use schema::SchemaName;
@@ -84,6 +86,8 @@ pub(crate) enum Command {
     NextExperiment(NextExperimentArgs),
     /// Run the closed loop on the model and check its requirements
     Control(ControlArgs),
+    /// Merge the tables of rigs that the shards of a batch wrote
+    MergeRigs(MergeRigsArgs),
     /// Write a controller file with the duty limits and nominal values of a plant
     Tune(TuneArgs),
     /// Write one HTML report with comparison, diagnosis and closed loop

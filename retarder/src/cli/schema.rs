@@ -27,6 +27,8 @@ pub(crate) enum SchemaName {
     NextExperiment,
     /// retarder.rigs/3, of `control --rigs`
     Rigs,
+    /// retarder.rig-summary/1, of `control --rigs-out` and `merge-rigs`
+    RigSummary,
     /// retarder.simulation/1, of `simulate`
     Simulation,
     /// retarder.thesis/1, of `thesis`

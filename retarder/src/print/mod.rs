@@ -9,6 +9,7 @@ mod diagnosis;
 mod estimation;
 mod inspection;
 mod live;
+mod monte_carlo;
 mod next_experiment;
 mod number;
 mod parameters;
@@ -137,6 +138,7 @@ pub(crate) fn outcome(outcome: &Outcome, targets: &Targets, terminal: &Terminal)
         Outcome::NextExperiment(planned) => next_experiment::next_experiment(planned, terminal),
         Outcome::DeterminingExperiment(planned) => next_experiment::determining(planned, terminal),
         Outcome::Control(controlled) => control::control(controlled, terminal),
+        Outcome::RigTable(table) => monte_carlo::rig_table(table, terminal),
         Outcome::Report(reported) => report::report(reported, terminal),
         Outcome::BlackBox(black_box) => device::black_box(black_box, terminal),
         Outcome::DeviceSettings(settings) => device::settings(settings, terminal),

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use hil_harness::rigs::{self, RigError, RigVerdict};
-use hil_harness::{ConditionScatter, OperatingConditions, Run, Verdict, run_in_process};
+use hil_harness::{Run, Verdict, run_in_process};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ pub(crate) fn run(
     interrupt::check(is_interrupted)?;
     let verdict = run.verdict(&requirement)?;
     let progress = Progress::of_count("rigs", rigs.into());
-    let scatter = scatter(&scenario);
+    let scatter = scenario.scatter();
     let rigs = rigs::verdicts_in_operation(&scenario.scenario, &requirement, rigs, scatter);
     let rigs = until_interrupted(rigs.inspect(|_| progress.step()), is_interrupted)?;
     Ok(Controlled {
@@ -45,21 +45,6 @@ pub(crate) fn run(
         device: None,
         rigs,
     })
-}
-
-/// Returns the scatter of the operating conditions that were not given.
-fn scatter(scenario: &NamedScenario) -> ConditionScatter {
-    let vehicle = ConditionScatter::vehicle(&scenario.scenario.plant);
-    let OperatingConditions {
-        supply,
-        coil_temperature_c,
-    } = scenario.conditions;
-    ConditionScatter {
-        supply_voltage_v: vehicle.supply_voltage_v.filter(|_| supply.is_none()),
-        coil_temperature_c: vehicle
-            .coil_temperature_c
-            .filter(|_| coil_temperature_c.is_none()),
-    }
 }
 
 /// Collects all verdicts, unless `is_interrupted` ends it before the next rig.

@@ -10,6 +10,7 @@ pub(crate) mod device_report;
 pub(crate) mod diagnose;
 pub(crate) mod inspect;
 pub(crate) mod measurement;
+pub(crate) mod monte_carlo;
 pub(crate) mod next_experiment;
 mod row_output;
 pub(crate) mod schema;
@@ -33,6 +34,7 @@ pub(crate) enum Outcome {
     NextExperiment(Box<next_experiment::Planned>),
     DeterminingExperiment(Box<next_experiment::Determining>),
     Control(Box<control::Controlled>),
+    RigTable(Box<monte_carlo::RigTable>),
     Report(Box<session::Reported>),
     BlackBox(black_box::BlackBox),
     DeviceSettings(calibrate::Settings),
@@ -79,6 +81,7 @@ impl Outcome {
             Self::NextExperiment(planned) => planned.answer(),
             Self::DeterminingExperiment(planned) => planned.answer(),
             Self::Control(controlled) => Answer::of(controlled.holds()),
+            Self::RigTable(table) => Answer::of(table.summary.holds()),
             Self::Report(reported) => reported.answer(),
             Self::Measurement(measurement) => measurement.answer(),
             Self::Inspection(inspected) => inspected.answer(),

@@ -11,6 +11,7 @@ use schemars::{Schema, schema_for};
 use super::black_box::BlackBox;
 use super::control::Rigs;
 use super::device::Device;
+use super::monte_carlo::RigSummary;
 use super::simulate::Simulation;
 use crate::cli::SchemaName;
 
@@ -28,6 +29,7 @@ pub(crate) fn of(result: SchemaName) -> Schema {
         SchemaName::DeterminingExperiment => DeterminingExperiment::json_schema(),
         SchemaName::NextExperiment => NextExperiment::json_schema(),
         SchemaName::Rigs => schema_for!(Rigs),
+        SchemaName::RigSummary => schema_for!(RigSummary),
         SchemaName::Simulation => schema_for!(Simulation),
         SchemaName::Thesis => schema_for!(ThesisTable),
         SchemaName::ThesisExplanation => Explanation::json_schema(),

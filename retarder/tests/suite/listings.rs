@@ -4,7 +4,7 @@ use plant_sim::parameters::{PARAMETERS, ParameterSpec, Part};
 use crate::runner::{Bench, assert_contains};
 
 /// Commands with examples in their help.
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "inspect",
     "simulate",
     "compare",
@@ -12,6 +12,7 @@ const COMMANDS: [&str; 15] = [
     "refine",
     "next-experiment",
     "control",
+    "merge-rigs",
     "blackbox",
     "calibrate",
     "thesis",

@@ -14,6 +14,7 @@ mod inspect;
 mod listings;
 mod mf4;
 mod mistakes;
+mod monte_carlo;
 mod next_experiment;
 mod own_effects;
 mod report;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::runner::{Bench, data};
 
 /// Results, those of the commands that run here first.
-const RESULTS: [&str; 14] = [
+const RESULTS: [&str; 15] = [
     "black-box",
     "comparison",
     "control",
@@ -17,6 +17,7 @@ const RESULTS: [&str; 14] = [
     "determining-experiment",
     "inspection",
     "rigs",
+    "rig-summary",
     "simulation",
     "thesis",
     "thesis-explanation",
@@ -63,7 +64,7 @@ pub(crate) fn keep_example(result: &str, json: &Value) {
 fn results_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
     let log = data("synthetic/practice-01-check.csv");
-    let runs: [&[&str]; 11] = [
+    let runs: [&[&str]; 12] = [
         &["blackbox", "--dut", "in-process", "--json"],
         &["compare", "--log", &log, "--json"],
         &["control", "--json"],
@@ -95,6 +96,14 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
             "--json",
         ],
         &["control", "--rigs", "1", "--json"],
+        &[
+            "control",
+            "--rigs",
+            "1",
+            "--rigs-out",
+            "rigs.parquet",
+            "--json",
+        ],
         &["simulate", "--log", &log, "--out", "model.csv", "--json"],
         &["thesis", "--json"],
         &["thesis", "--explain", "--json"],
@@ -108,7 +117,7 @@ fn results_keep_to_their_schemas_and_nothing_else_does() {
 #[test]
 fn examples_keep_to_their_schemas_and_nothing_else_does() {
     let bench = Bench::new();
-    for result in &RESULTS[11..] {
+    for result in &RESULTS[12..] {
         let path = published(result).with_extension("example.json");
         let json = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
         check(&bench, result, &json);
