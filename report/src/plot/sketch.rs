@@ -297,7 +297,7 @@ mod tests {
         for text in [
             "8.4 bar gauge",
             "normally closed",
-            "1.9 mm",
+            "1.90 mm",
             "75 cm³",
             "24 V, PWM 100 Hz, 10 ms",
         ] {
