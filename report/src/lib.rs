@@ -24,11 +24,26 @@ pub use plot::{SmallUnit, capitalised, pressure_first, signal_words, unit_of};
 
 use plant_sim::PlantParameters;
 
-/// Returns a sketch of the plant as SVG for an HTML page: its parts with their values, and its effects where they act.
-/// The colours are those for a white background; `None` if it cannot be drawn.
-pub fn plant_sketch(plant: &PlantParameters) -> Option<String> {
+/// Sketch of a plant: its parts with their values, and its effects where they act.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlantSketch {
+    /// SVG image for a white background.
+    pub on_white: String,
+    /// SVG image for a dark background.
+    pub on_dark: String,
+    /// The same in words.
+    pub text: String,
+}
+
+/// Returns the sketch of a plant; `None` if it cannot be drawn.
+pub fn plant_sketch(plant: &PlantParameters) -> Option<PlantSketch> {
     let sketch = plot::sketch(plant).ok()?;
-    Some(sketch.inline_svg())
+    let [on_white, on_dark] = sketch.images();
+    Some(PlantSketch {
+        on_white,
+        on_dark,
+        text: sketch.description().to_owned(),
+    })
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ mod named_plant;
 mod names;
 mod pages;
 mod plant_file;
+mod plant_sketch;
 mod project;
 mod refusal;
 mod resample;

@@ -1,5 +1,7 @@
 //! Figure as SVG text.
 
+use super::palette::DARK;
+
 /// Drawing units per pixel: the backend uses integers, and a screen resolves fractions of a pixel.
 pub(super) const SCALE: i32 = 4;
 /// Font of the reader's system; no file is loaded.
@@ -52,6 +54,22 @@ impl Figure {
     /// Returns the figure for an HTML page, with the colours for a white background.
     pub(crate) fn inline_svg(&self) -> String {
         self.svg("", "")
+    }
+
+    /// Returns the figure as an image of its own without a background, in its colours on white, and in those on a dark
+    /// background.
+    pub(crate) fn images(&self) -> [String; 2] {
+        let on_white = self.svg(" xmlns=\"http://www.w3.org/2000/svg\"", "");
+        let on_dark = DARK.iter().fold(on_white.clone(), |svg, pair| {
+            let quoted = |colour: &str| format!("\"{colour}\"");
+            svg.replace(&quoted(pair.on_white), &quoted(pair.on_dark))
+        });
+        [on_white, on_dark]
+    }
+
+    /// Returns the text for screen readers.
+    pub(crate) fn description(&self) -> &str {
+        &self.description
     }
 
     /// Returns the figure as a file of its own, on a white background.

@@ -7,21 +7,23 @@ use plant_sim::plant::{FILL, VENT};
 use plant_sim::valve::ValveFunction;
 use plotters::style::RGBColor;
 
-use super::canvas::{Align, Pixel, Sheet, WIDTH_PX, figure};
+use super::canvas::{Align, Pixel, Sheet, figure};
 use super::figure::{Figure, PlotError};
 use super::palette;
 use crate::number::number;
 
 /// Centres of the columns from the supply to the outlet (px).
-const SUPPLY_PX: i32 = 100;
-const FILL_PX: i32 = 290;
-const CHAMBER_PX: i32 = 480;
-const VENT_PX: i32 = 670;
-const OUTLET_PX: i32 = 860;
+const SUPPLY_PX: i32 = 76;
+const FILL_PX: i32 = 238;
+const CHAMBER_PX: i32 = 400;
+const VENT_PX: i32 = 562;
+const OUTLET_PX: i32 = 724;
+/// Narrower than other figures: the page shows it in a column, and its texts stay readable there.
+const SKETCH_PX: i32 = 800;
 /// Height of the air's path, and of the ECU (px).
 const PATH_PX: i32 = 150;
 const ECU_PX: i32 = 58;
-const BOX_PX: Pixel = (120, 52);
+const BOX_PX: Pixel = (116, 52);
 const LINE_PX: i32 = 17;
 const FIRST_LINE_PX: i32 = PATH_PX + 48;
 
@@ -33,8 +35,8 @@ pub(crate) fn sketch(plant: &PlantParameters) -> Result<Figure, PlotError> {
     let columns = columns(plant);
     let lines = columns.iter().map(Column::lines).max().unwrap_or(0) as i32;
     let height_px = FIRST_LINE_PX + LINE_PX * lines.max(1) + 4;
-    let title = "The plant, and where its effects act";
-    figure(WIDTH_PX, height_px, title, |sheet| {
+    let text = format!("The plant: {}", description(plant, &columns));
+    figure(SKETCH_PX, height_px, text, |sheet| {
         let first = columns.first().map_or(SUPPLY_PX, |column| column.centre_px);
         let last = columns.last().map_or(OUTLET_PX, |column| column.centre_px);
         sheet.line([(first, PATH_PX), (last, PATH_PX)], palette::AXIS, 3.0)?;
@@ -45,6 +47,29 @@ pub(crate) fn sketch(plant: &PlantParameters) -> Result<Figure, PlotError> {
         Ok(())
     })
 }
+
+/// Returns parts, values and effects in words.
+fn description(plant: &PlantParameters, columns: &[Column]) -> String {
+    let parts = columns.iter().map(|column| {
+        let texts = [&column.values[..], &column.effects[..]].concat();
+        format!("{}: {}", column.name, texts.join(", "))
+    });
+    let of_ecu = [
+        ecu_values(plant),
+        effects(plant, &ELECTRIC),
+        effects(plant, &MECHANIC),
+    ];
+    let ecu = format!("ECU: {}", of_ecu.concat().join(", "));
+    parts.chain([ecu]).collect::<Vec<_>>().join("; ")
+}
+
+/// Places of effects that stand left and right of the ECU: those of the coils, and those of the armatures and orifices.
+const ELECTRIC: [EntryPoint; 3] = [
+    EntryPoint::ElectricSupply,
+    EntryPoint::Coil,
+    EntryPoint::Switching,
+];
+const MECHANIC: [EntryPoint; 2] = [EntryPoint::Armature, EntryPoint::Flow];
 
 /// Part of the plant with its values and effects.
 struct Column {
@@ -220,7 +245,28 @@ fn ecu(sheet: &Sheet<'_>, plant: &PlantParameters) -> Result<(), PlotError> {
     {
         sheet.line([(CHAMBER_PX, ECU_PX), (px, ECU_PX)], palette::AXIS, 1.0)?;
     }
-    rectangle(sheet, (CHAMBER_PX, ECU_PX), (230, 44))?;
+    rectangle(sheet, (CHAMBER_PX, ECU_PX), (200, 44))?;
+    sheet.bold_text("ECU", (CHAMBER_PX, ECU_PX - 9), Align::Centre)?;
+    let at = (CHAMBER_PX, ECU_PX + 9);
+    sheet.text(
+        &ecu_values(plant).join(", "),
+        at,
+        Align::Centre,
+        palette::LABEL,
+    )?;
+    for (texts, x, align) in [
+        (effects(plant, &ELECTRIC), FILL_PX - 12, Align::Right),
+        (effects(plant, &MECHANIC), VENT_PX + 12, Align::Left),
+    ] {
+        for (line, text) in (0..).zip(&texts) {
+            let at = (x, ECU_PX - 22 + LINE_PX * line);
+            sheet.text(text, at, align, palette::MODEL)?;
+        }
+    }
+    Ok(())
+}
+
+fn ecu_values(plant: &PlantParameters) -> Vec<String> {
     let ecu = &plant.ecu;
     let mut values = Vec::new();
     if Part::Driven.is_in(plant) && ecu.supply_voltage_v > 0.0 {
@@ -230,26 +276,7 @@ fn ecu(sheet: &Sheet<'_>, plant: &PlantParameters) -> Result<(), PlotError> {
         values.push(format!("PWM {} Hz", number(ecu.pwm_frequency_hz)));
     }
     values.push(format!("{} ms", number(ecu.sample_time_s * 1e3)));
-    sheet.bold_text("ECU", (CHAMBER_PX, ECU_PX - 9), Align::Centre)?;
-    let at = (CHAMBER_PX, ECU_PX + 9);
-    sheet.text(&values.join(", "), at, Align::Centre, palette::LABEL)?;
-    let electric = [
-        EntryPoint::ElectricSupply,
-        EntryPoint::Coil,
-        EntryPoint::Switching,
-    ];
-    let of_coils = effects(plant, &electric);
-    let of_valves = effects(plant, &[EntryPoint::Armature, EntryPoint::Flow]);
-    for (texts, x, align) in [
-        (of_coils, FILL_PX - 12, Align::Right),
-        (of_valves, VENT_PX + 12, Align::Left),
-    ] {
-        for (line, text) in (0..).zip(&texts) {
-            let at = (x, ECU_PX - 22 + LINE_PX * line);
-            sheet.text(text, at, align, palette::MODEL)?;
-        }
-    }
-    Ok(())
+    values
 }
 
 /// Returns the names of the plant's effects that act at one of `places`.

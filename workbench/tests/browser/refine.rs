@@ -120,7 +120,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
         let plain = person.run("return Number(document.querySelector('#error-steps .bar-row[data-signal=p_ch]').dataset.times)").await;
         let (plain, added) = (plain.as_f64().unwrap(), last_bar(person).await);
         assert!(added < 0.3 * plain, "{plain} {added}");
-        let sketch = "return document.querySelector('.sketch svg').textContent";
+        let sketch = "return document.querySelector('.sketch img').alt";
         let drawn = person.run(sketch).await.as_str().unwrap().to_owned();
         for text in [
             "8.4 bar gauge",

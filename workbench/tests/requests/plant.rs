@@ -53,7 +53,10 @@ fn the_sketch_of_the_plant_has_its_effects() {
     let put = |toml: &str| {
         let plant = json!({"name": "mine.toml", "toml": toml});
         let shown = browser.put(&format!("{session}/plant"), &plant).json();
-        shown["plant"]["sketch"].as_str().unwrap().to_owned()
+        shown["plant"]["sketch"]["text"]
+            .as_str()
+            .unwrap()
+            .to_owned()
     };
     assert!(!put(&plant).contains("+ sensor lag"));
     assert!(put(&with_lag).contains("+ sensor lag"));

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::calculated::Calculated;
 use crate::log_summary::LogSummary;
+use crate::plant_sketch::SketchView;
 use crate::project::{AcceptanceLimits, LogEntry, PlantFile};
 use crate::refusal::{Problem, Refusal};
 use crate::session::Session;
@@ -39,8 +40,8 @@ struct PlantView {
     /// Parameters that differ from the thesis model, or have a stated uncertainty.
     changed: Vec<ParameterView>,
     effects: Vec<&'static str>,
-    /// Sketch as SVG; `None` if the plant cannot be read.
-    sketch: Option<String>,
+    /// Sketch; `None` if the plant cannot be read.
+    sketch: Option<SketchView>,
 }
 
 #[derive(Serialize)]
@@ -114,7 +115,7 @@ fn plant_view(plant: &PlantFile) -> PlantView {
             .iter()
             .flat_map(|parameters| parameters.effects.iter().map(|effect| effect.id()))
             .collect(),
-        sketch: parameters.as_ref().and_then(report::plant_sketch),
+        sketch: parameters.as_ref().and_then(SketchView::of),
         problems,
     }
 }

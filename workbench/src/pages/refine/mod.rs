@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::{Begun, Shared, begin_job, blocking, session};
 use crate::history::{History, Step, StepEffect, StepError};
 use crate::job::{Job, Span};
+use crate::plant_sketch::SketchView;
 use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
 use crate::results::Chosen;
@@ -88,8 +89,8 @@ struct RefineView {
     /// Name of the plant as opened.
     opened: String,
     plant: String,
-    /// Sketch of the plant with the effects that are on, as SVG.
-    sketch: Option<String>,
+    /// Sketch of the plant with the effects that are on.
+    sketch: Option<SketchView>,
     effects: Vec<StepEffect>,
     refitted: Vec<RefittedParameter>,
     steps: Vec<StepView>,
@@ -122,7 +123,7 @@ impl RefineView {
             refitted,
             opened: history.first().plant.name.clone(),
             plant: now.plant.name.clone(),
-            sketch: report::plant_sketch(&now.plant.parameters()?),
+            sketch: SketchView::of(&now.plant.parameters()?),
             effects: now.effects.clone(),
             steps: steps.collect(),
             at: history.at(),
