@@ -141,25 +141,24 @@ impl Journal {
     fn begin(&mut self) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.rewind()?;
-        self.file.write_all(MAGIC)?;
-        self.end = MAGIC.len() as u64;
-        self.append(self.rigs.start, &self.header().to_bytes())?;
+        let header = record(self.rigs.start, &self.header().to_bytes())?;
+        // At once: a journal has its whole header, or it is empty.
+        let beginning = [MAGIC, &header[..]].concat();
+        self.file.write_all(&beginning)?;
+        self.file.sync_data()?;
+        self.end = beginning.len() as u64;
         Ok(())
     }
 
     /// Writes a record behind the last one; returns its place.
     fn append(&mut self, first_rig: u32, bytes: &[u8]) -> io::Result<Place> {
-        let length = u32::try_from(bytes.len()).ok();
-        let length = length.filter(|&length| length <= RECORD_BYTES_MAX);
-        let length = length.ok_or_else(|| io::Error::other("a record is too large"))?;
-        let head = [first_rig, length, crc32::digest(bytes)];
-        let record = [&head.map(u32::to_le_bytes).concat(), bytes].concat();
+        let record = record(first_rig, bytes)?;
         self.file.seek(SeekFrom::Start(self.end))?;
         self.file.write_all(&record)?;
         self.file.sync_data()?;
         let place = Place {
             begin: self.end,
-            length,
+            length: bytes.len() as u32,
         };
         self.end += record.len() as u64;
         Ok(place)
@@ -328,4 +327,13 @@ fn read_record(reader: &mut impl Read) -> io::Result<Option<Record>> {
     }
     let is_whole = bytes.len() as u32 == length && crc32::digest(&bytes) == checksum;
     Ok(is_whole.then_some(Record { first_rig, bytes }))
+}
+
+/// Returns the bytes of a record: its first rig, the length and the checksum of its content, and the content.
+fn record(first_rig: u32, bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let length = u32::try_from(bytes.len()).ok();
+    let length = length.filter(|&length| length <= RECORD_BYTES_MAX);
+    let length = length.ok_or_else(|| io::Error::other("a record is too large"))?;
+    let head = [first_rig, length, crc32::digest(bytes)];
+    Ok([&head.map(u32::to_le_bytes).concat(), bytes].concat())
 }

@@ -322,7 +322,7 @@ mod tests {
     fn a_sketch_has_each_part_with_its_values() {
         let svg = svg(&PlantParameters::nominal());
         for text in [
-            "8.4 bar gauge",
+            "8.40 bar gauge",
             "normally closed",
             "1.90 mm",
             "75 cm³",
