@@ -2,9 +2,13 @@
 
 use recording::{AddSignalError, Provenance, Recording, TimeBase, TimeBaseError, Unit};
 
+use crate::checks::PLUNGER;
 use crate::scenario::Scenario;
 use crate::wire::{self, Exchange};
 use crate::world::World;
+
+/// Displacement of the plunger over its stroke: the brake torque follows it (section 2.1.2), and no other signal shows it.
+const TORQUE_PROXY: &str = "torque_proxy";
 
 /// Reason why simulated data gives no recording.
 #[derive(Debug, thiserror::Error)]
@@ -21,6 +25,8 @@ pub enum NotRecorded {
 /// Signals of a run from time 0 on, by name and unit.
 pub(crate) struct Trace {
     columns: [(&'static str, Unit, Vec<f64>); 12],
+    /// Position of the plunger (m); empty if the plant has none.
+    plunger_m: Vec<f64>,
     /// Number of lifts of the valves before time 0.
     lifts_before: Option<[u64; 2]>,
 }
@@ -43,6 +49,7 @@ impl Trace {
         ];
         Self {
             columns: columns.map(|(name, unit)| (name, unit, Vec::with_capacity(samples as usize))),
+            plunger_m: Vec::new(),
             lifts_before: None,
         }
     }
@@ -69,6 +76,7 @@ impl Trace {
         for ((_, _, column), value) in self.columns.iter_mut().zip(row) {
             column.push(value);
         }
+        self.plunger_m.extend(world.plunger_m());
     }
 
     pub(crate) fn into_recording(
@@ -86,6 +94,12 @@ impl Trace {
         let time_base = recording.add_time_base(time_base);
         for (name, unit, column) in self.columns {
             recording.add_signal(name, unit, time_base, column)?;
+        }
+        if let Some(valve) = &scenario.plant.regulating_valve {
+            let scaled = |factor: f64| self.plunger_m.iter().map(|m| factor * m).collect();
+            recording.add_signal(PLUNGER, Unit::Millimetre, time_base, scaled(1e3))?;
+            let percent = scaled(100.0 / valve.stroke_m);
+            recording.add_signal(TORQUE_PROXY, Unit::Percent, time_base, percent)?;
         }
         Ok(recording)
     }

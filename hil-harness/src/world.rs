@@ -2,6 +2,7 @@
 
 use plant_sim::parameters::Part;
 use plant_sim::plant::{FILL, VENT};
+use plant_sim::regulating_valve::RegulatingValve;
 use plant_sim::{Command, Sample, Simulator};
 
 use crate::random::{Random, Stream};
@@ -9,8 +10,9 @@ use crate::scenario::Scenario;
 use crate::sensor;
 use crate::wire::{self, Actuators, Sensors};
 
-/// Interval at which a supply voltage follows its profile (ns): a tenth of the fastest edge of a profile.
-const VOLTAGE_NS: u64 = 1_000_000;
+/// Interval at which a supply voltage follows its profile (ns): a tenth of the fastest edge of a profile. The plunger of a
+/// regulating valve, for which the pressure is linear in time, follows at the same interval.
+const INTERVAL_NS: u64 = 1_000_000;
 
 /// Noise of the measured supply voltage (V rms): two steps of the ADC, with the ripple of an alternator filtered
 /// (assumed).
@@ -30,6 +32,8 @@ pub struct World<'a> {
     /// Number of samples sensed so far.
     samples: u32,
     shown: Sample,
+    /// Regulating valve behind the chamber; `None` if the plant has none.
+    regulating_valve: Option<RegulatingValve>,
     /// Supply voltage in place of that of the scenario (V).
     forced_supply_v: Option<f64>,
 }
@@ -41,6 +45,11 @@ impl<'a> World<'a> {
         Self {
             scenario,
             shown: simulator.sample(),
+            regulating_valve: scenario
+                .plant
+                .regulating_valve
+                .clone()
+                .map(RegulatingValve::new),
             simulator,
             noise: Random::new(scenario.seed, Stream::SensorNoise),
             voltage_noise: Random::new(scenario.seed, Stream::VoltageNoise),
@@ -92,14 +101,37 @@ impl<'a> World<'a> {
             duty_vent_pct: wire::duty_pct(actuators.duty_vent),
         });
         let end_ns = self.simulator.time_ns() + self.sample_ns;
-        let interval_ns = self.scenario.supply.map_or(self.sample_ns, |_| VOLTAGE_NS);
+        let is_divided = self.scenario.supply.is_some() || self.regulating_valve.is_some();
+        let interval_ns = if is_divided {
+            INTERVAL_NS
+        } else {
+            self.sample_ns
+        };
         while self.simulator.time_ns() < end_ns {
             if self.has_coil() {
                 self.simulator.set_supply_voltage(self.supply_voltage_v());
             }
-            let next_ns = self.simulator.time_ns() + interval_ns;
-            self.simulator.advance_to_ns(next_ns.min(end_ns));
+            let begin_ns = self.simulator.time_ns();
+            let begin_pa = self.gauge_pressure_pa();
+            self.simulator
+                .advance_to_ns((begin_ns + interval_ns).min(end_ns));
+            let passed_s = (self.simulator.time_ns() - begin_ns) as f64 * 1e-9;
+            let end_pa = self.gauge_pressure_pa();
+            if let Some(valve) = &mut self.regulating_valve {
+                valve.advance(passed_s, begin_pa, end_pa);
+            }
         }
+    }
+
+    /// Returns the chamber pressure now (Pa gauge).
+    fn gauge_pressure_pa(&self) -> f64 {
+        self.simulator.state().pressure - self.scenario.plant.gas.ambient_pressure_pa
+    }
+
+    /// Returns the position of the regulating valve's plunger now (m); `None` if the plant has none.
+    pub fn plunger_m(&self) -> Option<f64> {
+        let valve = self.regulating_valve.as_ref()?;
+        Some(valve.position())
     }
 
     /// Sets the supply voltage (V) of plant and measurement, to apply a fault; none restores that of the scenario.

@@ -161,6 +161,13 @@ fn check_table(verdict: &Verdict) -> Markup {
                 " bar at most. The requirements are judged by the true pressure."
             }
         }
+        @if let Some(plunger) = &verdict.plunger {
+            p.note {
+                "After a step, the plunger of the regulating valve breaks free " (number(plunger.starts_per_step))
+                " times on average. At one reference, its rest positions differ by up to " (number(plunger.rest_spread_mm))
+                " mm, " (number(100.0 * plunger.rest_spread_share)) " % of its travel: its friction."
+            }
+        }
         (confirmed_faults(verdict))
     }
 }

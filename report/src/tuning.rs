@@ -9,16 +9,16 @@ use super::number::number;
 use crate::plot;
 
 pub(super) fn headline(part: &TuningPart<'_>) -> String {
-    let [given, best] = &part.found.on_other_rigs;
-    let name = part.found.best().name;
-    if part.found.best == 0 {
+    let [given, chosen] = &part.found.on_other_rigs;
+    let name = part.found.chosen().name;
+    if part.found.chosen == 0 {
         return "No candidate is better than the given controller.".to_owned();
     }
     format!(
         "{} instead of {} samples to settle, {} instead of {} lifts per second, on rigs that decided nothing ({name}).",
-        number(best.settling_mean_samples),
+        number(chosen.settling_mean_samples),
         number(given.settling_mean_samples),
-        number(best.lifts_per_s),
+        number(chosen.lifts_per_s),
         number(given.lifts_per_s),
     )
 }
@@ -53,7 +53,7 @@ fn table(found: &Found) -> Markup {
                     tr {
                         th { "Candidate" }
                         (quality_heads())
-                        @for gain in &GAINS { th.number { code { (gain.key) } } }
+                        @for gain in &GAINS { th.number { code { (gain.field.name()) } } }
                         th.number { code { "horizon_samples" } }
                     }
                 }
@@ -62,7 +62,7 @@ fn table(found: &Found) -> Markup {
                         tr {
                             th scope="row" {
                                 (candidate.name.to_string())
-                                @if candidate.name == found.best().name { " " strong { "chosen" } }
+                                @if candidate.name == found.chosen().name { " " strong { "chosen" } }
                             }
                             (quality(&candidate.quality))
                             (gains(candidate))
@@ -77,7 +77,7 @@ fn table(found: &Found) -> Markup {
 fn gains(candidate: &Candidate) -> Markup {
     html! {
         @for gain in &GAINS {
-            td.number { ((gain.value)(&candidate.settings).map_or("off".to_owned(), number)) }
+            td.number { (gain.value(&candidate.settings).map_or("off".to_owned(), number)) }
         }
         td.number { (candidate.settings.prediction as u8) }
     }

@@ -14,11 +14,12 @@ const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const EVIDENCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../evidence");
 
 /// Source that uses settings but passes none on: the controllers in C, the configurations of the self-test, the bounds of
-/// a rig and the faults of a campaign.
-const USES: [&str; 4] = [
+/// a rig, the gains that a search changes and the faults of a campaign.
+const USES: [&str; 5] = [
     "evidence/budgets/src/",
     "firmware/src/self_test/",
     "hil-harness/src/supervision.rs",
+    "hil-harness/src/gain_search/",
     "hil-harness/src/campaign/",
 ];
 

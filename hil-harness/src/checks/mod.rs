@@ -2,9 +2,11 @@
 //! same signals is judged in the same way.
 //!
 //! Signals: `p_ref`, `p_ch`, `duty_fill`, `duty_vent`. With `actuations_fill` and `actuations_vent` (counted from the
-//! start) the number of valve movements is judged, too. With `p_ch_measured` the error of the sensor is shown.
+//! start) the number of valve movements is judged, too. With `p_ch_measured` the error of the sensor is
+//! shown, with `x_plunger` the motion of the regulating valve.
 
 mod check;
+mod plunger;
 mod sensor;
 mod speed;
 mod steps;
@@ -15,6 +17,8 @@ mod valves;
 mod verdict;
 
 pub use check::{Bound, Check, CheckId};
+pub(crate) use plunger::PLUNGER;
+pub use plunger::PlungerMotion;
 pub use sensor::SensorError;
 pub use steps::StepResponse;
 pub use trajectory::JudgeError;
@@ -52,12 +56,14 @@ pub fn judge(recording: &Recording, requirement: &Requirement) -> Result<Verdict
         .chain(of_valves)
         .flatten()
         .collect();
-    Ok(Verdict::new(
+    let plunger = plunger::motion(recording, &trajectory, &steps);
+    let verdict = Verdict::new(
         recording,
         requirement,
         checks,
         steps,
         valves::actuations(&trajectory),
         sensor::sensor_error(recording, &trajectory),
-    ))
+    );
+    Ok(Verdict { plunger, ..verdict })
 }

@@ -365,7 +365,7 @@ fn a_verdict_survives_json_and_refuses_what_it_does_not_know() {
     let verdict = made.verdict();
     let json = serde_json::to_string(&verdict).unwrap();
     assert!(
-        json.starts_with(r#"{"schema":"retarder.control/2","source":"made by hand","holds":false"#),
+        json.starts_with(r#"{"schema":"retarder.control/3","source":"made by hand","holds":false"#),
         "{json}"
     );
     assert!(
@@ -379,4 +379,40 @@ fn a_verdict_survives_json_and_refuses_what_it_does_not_know() {
         let name = serde_json::to_string(&check.id).unwrap();
         assert_eq!(name, format!("\"{}\"", check.id.name()));
     }
+}
+
+/// Two steps to 3 bar, one from below and one from above; the plunger rests at 4.0 and at 4.5 mm and travels 6 mm. After
+/// the second step it sticks once on its way.
+#[test]
+fn a_plunger_that_sticks_is_counted_and_its_rest_positions_are_compared() {
+    let held = 60;
+    let made = Made {
+        p_ref: [2.0, 3.0, 4.0, 3.0].map(|bar| vec![bar; held]).concat(),
+        p_ch: [2.0, 3.0, 4.0, 3.0].map(|bar| vec![bar; held]).concat(),
+        duty_fill: vec![0.0; 4 * held],
+        duty_vent: vec![0.0; 4 * held],
+        actuations_fill: vec![0.0; 4 * held],
+    };
+    let mut position_mm = [0.0, 4.0, 6.0, 4.5].map(|mm| vec![mm; held]).concat();
+    // The motions begin a few samples after the steps.
+    for (at, before) in [(held, 0.0), (2 * held, 4.0), (3 * held, 6.0)] {
+        position_mm[at..at + 5].fill(before);
+    }
+    position_mm[2 * held + 5..2 * held + 8].fill(5.0);
+    let mut recording = made.recording();
+    assert_eq!(judge(&recording, &REQUIREMENT).unwrap().plunger, None);
+    let base = recording.signal("p_ref").unwrap().time_base();
+    recording
+        .add_signal("x_plunger", Unit::Millimetre, base, position_mm)
+        .unwrap();
+    let plunger = judge(&recording, &REQUIREMENT).unwrap().plunger.unwrap();
+    assert!((plunger.rest_spread_mm - 0.5).abs() < 1e-12, "{plunger:?}");
+    assert!(
+        (plunger.rest_spread_share - 0.5 / 6.0).abs() < 1e-12,
+        "{plunger:?}"
+    );
+    assert!(
+        (plunger.starts_per_step - 4.0 / 3.0).abs() < 1e-12,
+        "{plunger:?}"
+    );
 }

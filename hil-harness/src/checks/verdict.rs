@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Check, CheckId};
+use super::plunger::PlungerMotion;
 use super::sensor::SensorError;
 use super::steps::StepResponse;
 use super::valves::Actuations;
@@ -14,13 +15,13 @@ use crate::confirmed_fault::ConfirmedFault;
 use crate::requirement::{BothValves, Requirement};
 
 /// Name and version of the JSON form of a [`Verdict`].
-pub const SCHEMA: &str = "retarder.control/2";
+pub const SCHEMA: &str = "retarder.control/3";
 
 /// All checks of one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Verdict {
-    /// Name and version of this format, `retarder.control/2`.
+    /// Name and version of this format, `retarder.control/3`.
     pub schema: String,
     /// Source of the recording.
     pub source: String,
@@ -36,6 +37,8 @@ pub struct Verdict {
     pub actuations: Option<Actuations>,
     /// Error of the pressure sensor; none if the measured pressure was not recorded.
     pub sensor_error: Option<SensorError>,
+    /// Motion of the regulating valve's plunger; none if the plant has none.
+    pub plunger: Option<PlungerMotion>,
     /// Faults that the ECU confirmed; none if its state was not recorded, as in a bench log.
     pub confirmed_faults: Option<Vec<ConfirmedFault>>,
 }
@@ -69,6 +72,7 @@ impl Verdict {
             steps,
             actuations,
             sensor_error,
+            plunger: None,
             confirmed_faults: None,
         }
     }

@@ -1,68 +1,31 @@
 //! Settings that the search changes.
 
 use controller::fixed::types::I16F16;
-use controller::{Boost, Prediction, Settings};
+use controller::{Field, Prediction, Settings};
 
 /// One setting and its range in the search.
 #[derive(Debug)]
 pub struct Gain {
-    /// Key in a controller file, with its unit at the end.
-    pub key: &'static str,
+    /// Setting of the controller.
+    pub field: Field,
     /// Lowest and highest value in the search, which is logarithmic.
     pub range: [f64; 2],
-    /// Returns the value; `None` if the controller has no such part.
-    pub value: fn(&Settings) -> Option<f64>,
-    set: fn(&mut Settings, I16F16),
+}
+
+const fn gain(field: Field, low: f64, high: f64) -> Gain {
+    Gain {
+        field,
+        range: [low, high],
+    }
 }
 
 /// All of them.
 pub const GAINS: [Gain; 5] = [
-    Gain {
-        key: "gain_pct_per_bar",
-        range: [2.0, 500.0],
-        value: |settings| Some(settings.gain_pct_per_bar.to_num()),
-        set: |settings, value| settings.gain_pct_per_bar = value,
-    },
-    Gain {
-        key: "integral_time_ms",
-        range: [30.0, 10_000.0],
-        value: |settings| settings.integral_time_ms.map(I16F16::to_num),
-        set: |settings, value| settings.integral_time_ms = Some(value),
-    },
-    Gain {
-        key: "derivative_time_ms",
-        range: [1.0, 200.0],
-        value: |settings| settings.derivative_time_ms.map(I16F16::to_num),
-        set: |settings, value| settings.derivative_time_ms = Some(value),
-    },
-    Gain {
-        key: "rate_pct_per_bar_s",
-        range: [10.0, 5000.0],
-        value: |settings| {
-            let boost = settings.boost?;
-            Some(boost.rate_pct_per_bar_s.to_num())
-        },
-        set: |settings, rate_pct_per_bar_s| {
-            settings.boost = settings.boost.map(|boost| Boost {
-                rate_pct_per_bar_s,
-                ..boost
-            });
-        },
-    },
-    Gain {
-        key: "response_bar",
-        range: [0.01, 1.0],
-        value: |settings| {
-            let boost = settings.boost?;
-            Some(boost.response_bar.to_num())
-        },
-        set: |settings, response_bar| {
-            settings.boost = settings.boost.map(|boost| Boost {
-                response_bar,
-                ..boost
-            });
-        },
-    },
+    gain(Field::Gain, 2.0, 500.0),
+    gain(Field::IntegralTime, 30.0, 10_000.0),
+    gain(Field::DerivativeTime, 1.0, 200.0),
+    gain(Field::BoostRate, 10.0, 5000.0),
+    gain(Field::BoostResponse, 0.01, 1.0),
 ];
 
 /// Prediction horizons of the search.
@@ -70,13 +33,18 @@ pub(super) const HORIZONS: [Prediction; 3] =
     [Prediction::Off, Prediction::OneStep, Prediction::TwoStep];
 
 impl Gain {
+    /// Returns the value; `None` if the controller has no such part.
+    pub fn value(&self, settings: &Settings) -> Option<f64> {
+        self.field
+            .get(settings)
+            .map(|bits| I16F16::from_bits(bits).to_num())
+    }
+
     /// Sets the value within its range in the search; does nothing if the controller has no such part.
     pub fn set(&self, settings: &mut Settings, value: f64) {
-        if (self.value)(settings).is_some() {
-            let [low, high] = self.range;
-            let value = rounded(value.clamp(low, high));
-            (self.set)(settings, I16F16::saturating_from_num(value));
-        }
+        let [low, high] = self.range;
+        let value = I16F16::saturating_from_num(rounded(value.clamp(low, high)));
+        self.field.set(settings, value.to_bits());
     }
 }
 
@@ -104,22 +72,21 @@ mod tests {
                 ),
             ] {
                 gain.set(&mut settings, wanted);
-                let value = (gain.value)(&settings).unwrap();
-                assert!((value - expected).abs() < 1e-4, "{}: {value}", gain.key);
+                let value = gain.value(&settings).unwrap();
+                assert!((value - expected).abs() < 1e-4, "{gain:?}: {value}");
             }
         }
-        let mut settings = Settings {
+        let off = Settings {
             boost: None,
             integral_time_ms: None,
+            derivative_time_ms: None,
             ..Settings::recommended()
         };
-        let before = settings;
+        let mut settings = off;
         for gain in &GAINS[1..] {
-            if (gain.value)(&settings).is_none() {
-                gain.set(&mut settings, 100.0);
-            }
+            gain.set(&mut settings, 100.0);
         }
-        assert_eq!(settings, before);
+        assert_eq!(settings, off);
     }
 
     #[test]

@@ -67,19 +67,19 @@ pub struct Found {
     pub candidates: Vec<Candidate>,
     /// Index of the chosen candidate: of those with the least cost and the given one, the one with the least cost on the
     /// final rigs.
-    pub best: usize,
+    pub chosen: usize,
     /// The given controller and the chosen one on rigs that decided nothing.
     pub on_other_rigs: [Quality; 2],
 }
 
 impl Found {
     /// Returns the chosen candidate.
-    pub fn best(&self) -> &Candidate {
-        &self.candidates[self.best]
+    pub fn chosen(&self) -> &Candidate {
+        &self.candidates[self.chosen]
     }
 
     /// Returns the candidates for a table: the given controller and the starting points, then some of the
-    /// trade-off, and the best one.
+    /// trade-off, and the chosen one.
     pub fn shown(&self) -> Vec<&Candidate> {
         let is_named = |candidate: &&Candidate| !matches!(candidate.name, Name::Drawn(_));
         let named = self.candidates.iter().filter(is_named);
@@ -90,9 +90,9 @@ impl Found {
         let mut shown: Vec<_> = named.chain(of_front).collect();
         if shown
             .iter()
-            .all(|candidate| candidate.name != self.best().name)
+            .all(|candidate| candidate.name != self.chosen().name)
         {
-            shown.push(self.best());
+            shown.push(self.chosen());
         }
         shown
     }
@@ -145,7 +145,7 @@ pub enum SearchError {
     },
 }
 
-/// Number of candidates of the trade-off in a table, beside the best one.
+/// Number of candidates of the trade-off in a table, beside the chosen one.
 const SHOWN_MAX: usize = 8;
 /// Share of late steps of a candidate of the trade-off beyond the least of all candidates.
 const LATE_SHARE_MORE: f64 = 0.01;
@@ -201,12 +201,22 @@ pub fn search(
     };
     add(Name::Given, scenario.controller, &mut candidates)?;
     for method in StartingPoint::ALL {
-        let settings = method.gains(&passes, requirement)?;
-        add(Name::Started(method), settings, &mut candidates)?;
+        match method.gains(&passes, requirement) {
+            Ok(settings) => add(Name::Started(method), settings, &mut candidates)?,
+            // A slow plant does not oscillate within the experiment.
+            Err(NoStartingPoint::NoAnswer { .. }) => {}
+            Err(other) => return Err(other.into()),
+        }
     }
     let mut draws = Draws::new(Random::new(search.seed, Stream::GainSearch));
     let started = candidates.len() as u32;
     let drawn = search.candidates.saturating_sub(started);
+    let no_candidate = |number| SearchError::NoCandidate { number, drawn };
+    if let Some(number) = search.choose
+        && number > drawn
+    {
+        return Err(no_candidate(number));
+    }
     for number in 0..drawn {
         let progress = f64::from(number) / f64::from(drawn);
         let spread = SPREAD[0] * (SPREAD[1] / SPREAD[0]).powf(progress);
@@ -226,18 +236,18 @@ pub fn search(
         let settings = candidates[index].settings;
         quality(rigs, settings, requirement, MORE_RIGS * search.rigs)
     };
-    let best = match search.choose {
+    let chosen = match search.choose {
         Some(number) => {
             let mut names = candidates.iter().map(|candidate| candidate.name);
             let place = names.position(|name| name == Name::Drawn(number));
-            place.ok_or(SearchError::NoCandidate { number, drawn })?
+            place.ok_or(no_candidate(number))?
         }
         None => least_cost(&candidates, |index| on(&final_rigs, index))?,
     };
     Ok(Found {
-        on_other_rigs: [on(&other_rigs, 0)?, on(&other_rigs, best)?],
+        on_other_rigs: [on(&other_rigs, 0)?, on(&other_rigs, chosen)?],
         candidates,
-        best,
+        chosen,
     })
 }
 
@@ -299,7 +309,7 @@ fn beside(mut settings: Settings, spread: f64, draws: &mut Draws) -> Settings {
     for gain in &GAINS {
         // The sum of three uniform numbers over -1 to 1 has the standard deviation 1.
         let normal: f64 = (0..3).map(|_| draws.between(-1.0, 1.0)).sum();
-        if let Some(value) = (gain.value)(&settings) {
+        if let Some(value) = gain.value(&settings) {
             // A gain of zero stays: it has no logarithm.
             if value > 0.0 {
                 gain.set(&mut settings, value * (spread * normal).exp());
@@ -370,7 +380,7 @@ mod tests {
         assert_eq!(found.candidates.len(), 8);
         assert_eq!(found.candidates[0].name, Name::Given);
         let order = ranked(&found.candidates);
-        assert!(found.best == 0 || order[..FINALISTS].contains(&found.best));
+        assert!(found.chosen == 0 || order[..FINALISTS].contains(&found.chosen));
         assert!(found.on_other_rigs.iter().all(|quality| quality.rigs == 6));
         let front = found.trade_off();
         assert!(!front.is_empty() && front.len() <= 8);
@@ -388,7 +398,7 @@ mod tests {
         let [given, best] = &found.on_other_rigs;
         assert!(given.late_share > 0.3, "{given:?}");
         assert!(best.late_share < 0.5 * given.late_share, "{best:?}");
-        assert_eq!(found.best().settings.boost, None, "what is off stays off");
+        assert_eq!(found.chosen().settings.boost, None, "what is off stays off");
     }
 
     #[test]
@@ -397,7 +407,7 @@ mod tests {
             let choose = Some(number);
             run(Settings::recommended(), Search { choose, ..SMALL })
         };
-        assert_eq!(choose(2).unwrap().best().name, Name::Drawn(2));
+        assert_eq!(choose(2).unwrap().chosen().name, Name::Drawn(2));
         let refused = choose(6).unwrap_err().to_string();
         assert!(refused.contains("candidates 1 to 5"), "{refused}");
     }

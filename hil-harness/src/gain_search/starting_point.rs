@@ -274,7 +274,7 @@ mod tests {
         for method in StartingPoint::ALL {
             let settings = method.gains(&scenario, &Requirement::THESIS).unwrap();
             let [gain, integral, derivative, ..] = &GAINS;
-            let value = |gain: &super::super::Gain| (gain.value)(&settings).unwrap();
+            let value = |gain: &super::super::Gain| gain.value(&settings).unwrap();
             let name = method.name();
             assert!(
                 (15.0..150.0).contains(&value(gain)),

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use hil_harness::Requirement;
 use hil_harness::checks::{StepResponse, Verdict};
+use plotters::style::RGBColor;
 use recording::{Recording, Trace, Unit};
 
 use super::canvas::{
@@ -22,8 +23,8 @@ const FIRST_TOP_PX: i32 = 62;
 /// Time shown before and after a step (s), so that its beginning and its end are visible.
 const AROUND_STEP_S: [f64; 2] = [0.05, 0.85];
 
-/// Draws reference, pressure with the tolerance around the reference, lifts of the armatures if recorded, and duty
-/// cycles. `window_s` is an excerpt; without it the whole run is drawn.
+/// Draws reference, pressure with the tolerance around the reference, plunger and lifts of the armatures if recorded, and
+/// duty cycles. `window_s` is an excerpt; without it the whole run is drawn.
 ///
 /// # Errors
 /// Returns an error if the drawing fails.
@@ -40,7 +41,10 @@ pub(crate) fn control(
     let lifts = ["x_fill", "x_vent"].map(|name| Trace::of_in(recording, name, Unit::Millimetre));
     let has_lifts = lifts.iter().any(Option::is_some);
     let lifts_px = if has_lifts { LIFTS_PX + BETWEEN_PX } else { 0 };
-    let height_px = FIRST_TOP_PX + PRESSURE_PX + BETWEEN_PX + lifts_px + DUTIES_PX + 46;
+    let plunger = Trace::of_in(recording, "x_plunger", Unit::Millimetre);
+    let plunger_px = plunger.as_ref().map_or(0, |_| LIFTS_PX + BETWEEN_PX);
+    let height_px =
+        FIRST_TOP_PX + PRESSURE_PX + BETWEEN_PX + plunger_px + lifts_px + DUTIES_PX + 46;
     let title = format!("{}, {}", clipped(title, 80), span(&window_s));
     figure(WIDTH_PX, height_px, title.clone(), |sheet| {
         sheet.title(&title)?;
@@ -54,8 +58,17 @@ pub(crate) fn control(
             &window_s,
         )?;
         top_px += PRESSURE_PX + BETWEEN_PX;
+        if let Some(plunger) = plunger {
+            let caption = "Position of the regulating valve's plunger [mm]";
+            let curves = [(Some(plunger), palette::MODEL)];
+            draw_positions(sheet, top_px, caption, &curves, &window_s)?;
+            top_px += LIFTS_PX + BETWEEN_PX;
+        }
         if has_lifts {
-            draw_lifts(sheet, top_px, &lifts, &window_s)?;
+            let [fill, vent] = lifts;
+            let caption = "Lift of the armature at the sample [mm]";
+            let curves = [(vent, palette::VENT), (fill, palette::FILL)];
+            draw_positions(sheet, top_px, caption, &curves, &window_s)?;
             top_px += LIFTS_PX + BETWEEN_PX;
         }
         duties(sheet, (LABELS_PX, top_px), PLOT_PX, recording, &window_s)
@@ -127,15 +140,16 @@ fn pressures(
     Ok(())
 }
 
-fn draw_lifts(
+fn draw_positions(
     sheet: &Sheet<'_>,
     top_px: i32,
-    lifts: &[Option<Trace<'_>>; 2],
+    caption: &str,
+    curves: &[(Option<Trace<'_>>, RGBColor)],
     window_s: &Range<f64>,
 ) -> Result<(), PlotError> {
-    let greatest_mm = lifts
+    let greatest_mm = curves
         .iter()
-        .flatten()
+        .filter_map(|(trace, _)| trace.as_ref())
         .filter_map(|trace| trace.extent(window_s))
         .fold(0.1, |greatest: f64, extent| greatest.max(extent.end));
     let mut chart = sheet.panel(&Panel {
@@ -144,13 +158,13 @@ fn draw_lifts(
         x: window_s.clone(),
         y: with_room(0.0..greatest_mm),
         x_caption: None,
-        y_caption: "Lift of the armature at the sample [mm]",
+        y_caption: caption,
     })?;
-    for (trace, colour) in lifts.iter().zip([palette::FILL, palette::VENT]).rev() {
+    for (trace, colour) in curves {
         if let Some(trace) = trace {
             chart.curve(
                 &curve::lines(trace, window_s, PLOT_PX as usize),
-                colour,
+                *colour,
                 1.25,
             )?;
         }

@@ -11,15 +11,15 @@ const BETWEEN_PX: i32 = 40;
 const PLOT_PX: i32 = (WIDTH_PX - 2 * (LABELS_PX + RIGHT_PX) - BETWEEN_PX) / 2;
 const HEIGHT_PX: i32 = 260;
 const TOP_PX: i32 = 62;
-/// Largest multiple of the cost of the best candidate that is drawn: poor ones would compress the others.
+/// Largest multiple of the cost of the chosen candidate that is drawn: poor ones would compress the others.
 const LARGEST_COST: f64 = 4.0;
 
-/// Draws all candidates whose cost is not far from the best one.
+/// Draws all candidates whose cost is not far from the chosen one.
 ///
 /// # Errors
 /// Returns an error if the drawing fails.
 pub(crate) fn trade_off(found: &Found, requirement: &Requirement) -> Result<Figure, PlotError> {
-    let most = LARGEST_COST * found.best().quality.cost_samples;
+    let most = LARGEST_COST * found.chosen().quality.cost_samples;
     let (drawn, left_out): (Vec<_>, Vec<_>) = found
         .candidates
         .iter()
@@ -55,7 +55,7 @@ pub(crate) fn trade_off(found: &Found, requirement: &Requirement) -> Result<Figu
             return Ok(());
         }
         let note = format!(
-            "not drawn: {} candidates with more than {LARGEST_COST} times the cost of the best one",
+            "not drawn: {} candidates with more than {LARGEST_COST} times the cost of the chosen one",
             left_out.len()
         );
         let at = (WIDTH_PX - RIGHT_PX, TOP_PX + HEIGHT_PX + 54);
@@ -99,12 +99,12 @@ fn panel(
     for candidate in drawn {
         let is_front = front.iter().any(|other| other.name == candidate.name);
         let colour = match candidate.name {
-            name if name == found.best().name => continue,
+            name if name == found.chosen().name => continue,
             Name::Given | Name::Started(_) => palette::INK,
             Name::Drawn(_) if is_front => palette::FILL,
             Name::Drawn(_) => palette::AXIS,
         };
         chart.dot(point(candidate), colour, is_front)?;
     }
-    chart.dot(point(found.best()), palette::MODEL, true)
+    chart.dot(point(found.chosen()), palette::MODEL, true)
 }

@@ -9,7 +9,7 @@ pub(crate) enum SchemaName {
     BlackBox,
     /// retarder.comparison/2, of `compare`
     Comparison,
-    /// retarder.control/2, of `control`
+    /// retarder.control/3, of `control`
     Control,
     /// retarder.device/1, of `control --dut`
     Device,
@@ -25,7 +25,7 @@ pub(crate) enum SchemaName {
     Refinement,
     /// retarder.next-experiment/2, of `next-experiment`
     NextExperiment,
-    /// retarder.rigs/3, of `control --rigs`
+    /// retarder.rigs/4, of `control --rigs`
     Rigs,
     /// retarder.rig-summary/1, of `control --rigs-out` and `merge-rigs`
     RigSummary,

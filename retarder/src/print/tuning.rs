@@ -20,6 +20,7 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
         terminal,
     );
     text += "\n";
+    let [settle, late, over, lifts, pass, cost] = QUALITY;
     let columns = [
         ("candidate", Align::Left),
         ("K", Align::Right),
@@ -28,24 +29,23 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
         ("boost", Align::Right),
         ("resp.", Align::Right),
         ("hor.", Align::Right),
-        ("settle", Align::Right),
-        ("late", Align::Right),
-        ("over", Align::Right),
-        ("lifts", Align::Right),
-        ("pass", Align::Right),
-        ("cost", Align::Right),
+        settle,
+        late,
+        over,
+        lifts,
+        pass,
+        cost,
     ];
     let mut table = Table::new(columns, terminal);
     for candidate in found.shown() {
         let value = |index: usize| {
-            let value = (GAINS[index].value)(&candidate.settings);
+            let value = GAINS[index].value(&candidate.settings);
             value.map_or_else(|| "off".to_owned(), |value| significant(value, 3))
         };
         let name = candidate.name.to_string().replace("search ", "");
-        let settling = format!("{:.1}", candidate.quality.settling_mean_samples);
-        let [_, late, overshoot, lifts, pass, cost] = cells(&candidate.quality);
+        let [settle, late, over, lifts, pass, cost] = cells(&candidate.quality);
         table.row([
-            match candidate.name == found.best().name {
+            match candidate.name == found.chosen().name {
                 true => painted(Colour::Good, format!("{name} *")),
                 false => name.into(),
             },
@@ -55,9 +55,9 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
             value(3).into(),
             value(4).into(),
             (candidate.settings.prediction as u8).into(),
-            settling.into(),
+            settle.into(),
             late.into(),
-            overshoot.into(),
+            over.into(),
             lifts.into(),
             pass.into(),
             cost.into(),
@@ -81,23 +81,28 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
         &format!("On {} rigs that decided nothing:", given.rigs),
         terminal,
     );
+    let [settle, late, over, lifts, pass, cost] = QUALITY;
     let columns = [
         ("controller", Align::Left),
-        ("settling / p90", Align::Right),
-        ("late", Align::Right),
-        ("overshoot", Align::Right),
-        ("lifts", Align::Right),
-        ("pass", Align::Right),
-        ("cost", Align::Right),
+        settle,
+        ("p90", Align::Right),
+        late,
+        over,
+        lifts,
+        pass,
+        cost,
     ];
     let mut table = Table::new(columns, terminal);
     for (name, quality) in [("given", given), ("chosen", chosen)] {
-        let [settling, late, overshoot, lifts, pass, cost] = cells(quality);
+        let p90 = quality.settling_p90_samples;
+        let [settle, late, over, lifts, pass, cost] = cells(quality);
         table.row([
             name.into(),
-            settling.into(),
+            settle.into(),
+            p90.map_or_else(|| "never".to_owned(), |samples| samples.to_string())
+                .into(),
             late.into(),
-            overshoot.into(),
+            over.into(),
             lifts.into(),
             pass.into(),
             cost.into(),
@@ -106,14 +111,20 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
     text + &table.to_string()
 }
 
+/// Columns of a quality.
+const QUALITY: [(&str, Align); 6] = [
+    ("settle", Align::Right),
+    ("late", Align::Right),
+    ("over", Align::Right),
+    ("lifts", Align::Right),
+    ("pass", Align::Right),
+    ("cost", Align::Right),
+];
+
+/// Returns the cells of [`QUALITY`].
 fn cells(quality: &Quality) -> [String; 6] {
-    let p90 = quality.settling_p90_samples;
     [
-        format!(
-            "{:.1} / {}",
-            quality.settling_mean_samples,
-            p90.map_or_else(|| "never".to_owned(), |samples| samples.to_string())
-        ),
+        format!("{:.1}", quality.settling_mean_samples),
         format!("{:.1} %", 100.0 * quality.late_share),
         format!("{:.2}", quality.overshoot_p99_bar),
         format!("{:.1}", quality.lifts_per_s),

@@ -72,13 +72,13 @@ impl Controlled {
 }
 
 /// Name and version of the JSON form of [`Rigs`].
-pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/3";
+pub(crate) const RIGS_SCHEMA: &str = "retarder.rigs/4";
 
 /// Closed loop on many rigs.
 #[derive(Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Rigs<'a> {
-    /// Name and version of this format, `retarder.rigs/3`.
+    /// Name and version of this format, `retarder.rigs/4`.
     pub(crate) schema: &'static str,
     /// Name of the scenario.
     pub(crate) scenario: &'a str,

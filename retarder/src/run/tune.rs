@@ -84,7 +84,7 @@ pub(crate) fn run(task: Task) -> Result<Tuned, Failure> {
                 " --search {} --rigs {} --seed {}{choose}",
                 extent.candidates, extent.rigs, extent.seed
             );
-            let tuned = found.best().settings;
+            let tuned = found.chosen().settings;
             let searched = Searched {
                 search: extent,
                 found,

@@ -51,7 +51,7 @@ fn a_profile_of_ones_own_is_run_and_its_recording_is_read_again() {
     let verdict: Verdict = serde_json::from_str(&bench.read("v.json")).unwrap();
     assert_eq!(
         (verdict.schema.as_str(), verdict.steps.len()),
-        ("retarder.control/2", 2)
+        ("retarder.control/3", 2)
     );
     let header = bench.read("run.csv");
     assert_contains(&header, &["p_ref_bar_gauge,p_ch_bar_gauge"]);

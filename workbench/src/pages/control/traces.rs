@@ -7,8 +7,8 @@ use crate::pages::points::{Drawn, Points, Range};
 use crate::refusal::Refusal;
 use crate::results::Controlled;
 
-/// Shown signals, in this order.
-const SIGNALS: [&str; 8] = [
+/// Shown signals, in this order; one that a run lacks is left out.
+const SIGNALS: [&str; 10] = [
     "p_ref",
     "p_ch",
     "duty_fill",
@@ -17,6 +17,8 @@ const SIGNALS: [&str; 8] = [
     "i_vent",
     "x_fill",
     "x_vent",
+    "x_plunger",
+    "torque_proxy",
 ];
 
 /// View of the page.
@@ -52,7 +54,8 @@ pub(super) fn traces(controlled: &Controlled, view: &View) -> Result<Traces, Ref
         points: view.points,
     };
     let recordings = || controlled.runs.iter().map(|judged| &judged.run.recording);
-    let signals = SIGNALS.iter().map(|name| {
+    let is_there = |name: &&&str| recordings().all(|run| run.signal(name).is_some());
+    let signals = SIGNALS.iter().filter(is_there).map(|name| {
         let unit = recordings().find_map(|run| run.signal(name).map(|signal| signal.unit()));
         Ok(SignalTraces {
             name,

@@ -13,6 +13,7 @@ const PANELS = [
   ["p_ch", 230, "chamber pressure"], ["duty_fill", 64, "duty cycle of the fill valve"], ["duty_vent", 64, "duty cycle of the vent valve"],
   ["i_fill", 64, "current of the fill coil"], ["i_vent", 64, "current of the vent coil"],
   ["x_fill", 64, "armature position of the fill valve"], ["x_vent", 64, "armature position of the vent valve"],
+  ["x_plunger", 64, "position of the regulating valve's plunger"], ["torque_proxy", 64, "torque proxy: position over stroke"],
 ];
 /** Time shown before and after the beginning of a step (s). */
 const AROUND = [0.2, 1.2];
@@ -71,7 +72,8 @@ export class RunPlots extends TimeView {
   }
 
   async paint() {
-    await this.drawStack(PANELS.map(([name, height, words]) => ({ height, title: `${words} [${this.signal(name).unit}]`, draw: (yaxis) => this.drawSignal(name, yaxis) })), { title: "time [s]" });
+    const shown = PANELS.filter(([name]) => this.signal(name));
+    await this.drawStack(shown.map(([name, height, words]) => ({ height, title: `${words} [${this.signal(name).unit}]`, draw: (yaxis) => this.drawSignal(name, yaxis) })), { title: "time [s]" });
   }
 
   drawSignal(name, yaxis) {
