@@ -165,7 +165,7 @@ fn check_table(verdict: &Verdict) -> Markup {
             p.note {
                 "After a step, the plunger of the regulating valve breaks free " (number(plunger.starts_per_step))
                 " times on average. At one reference, its rest positions differ by up to " (number(plunger.rest_spread_mm))
-                " mm, " (number(100.0 * plunger.rest_spread_share)) " % of its travel: its friction."
+                " mm, " (number(100.0 * plunger.rest_spread_share)) " % of its travel, by its friction and the tolerance of the pressure."
             }
         }
         (confirmed_faults(verdict))

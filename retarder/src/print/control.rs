@@ -208,7 +208,7 @@ fn ecu_and_sensor(run: &Controlled, terminal: &Terminal) -> String {
     if let Some(plunger) = run.verdict.plunger {
         let sentence = format!(
             "{name}: after a step, the plunger of the regulating valve breaks free {} times on average; at one reference, its \
-             rest positions differ by up to {} mm, {} % of its travel: its friction.",
+             rest positions differ by up to {} mm, {} % of its travel, by its friction and the tolerance of the pressure.",
             significant(plunger.starts_per_step, 2),
             significant(plunger.rest_spread_mm, 2),
             significant(100.0 * plunger.rest_spread_share, 2),
