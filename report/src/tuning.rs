@@ -30,9 +30,8 @@ pub(super) fn section(part: &TuningPart<'_>) -> Markup {
             h2 { "Gains" }
             p.note { "Plant: " (foreign(part.plant)) ". Controller: " (foreign(part.controller)) "." }
             p.rule {
-                "Every candidate follows the same references on the same rigs. The cost ranks them: mean settling time in samples, "
-                "2 for each late step in a hundred, 5 for each multiple of P_tol in the overshoot, 0.3 for each lift per second, "
-                "10 for each binding requirement that all rigs fail. Settling is the mean of all steps, overshoot is what 99 % of them do not exceed."
+                "Every candidate follows the same references on the same rigs. The cost ranks them: "
+                (Quality::cost_in_words()) ". Settling is the mean of all steps, overshoot is what 99 % of them do not exceed."
             }
             (figure(plot::trade_off(found, part.requirement)))
             h3 { "Trade-off" }

@@ -1,4 +1,4 @@
-//! What a candidate achieves on scattered rigs.
+//! Result of a candidate on scattered rigs, and its cost.
 
 use crate::condition_table::Row;
 use crate::requirement::Requirement;
@@ -64,6 +64,15 @@ impl Quality {
                 + PER_LIFT * lifts_per_s
                 + PER_FAILED_CHECK * failed_checks as f64 / rigs.len().max(1) as f64,
         }
+    }
+
+    /// Returns the rule of [`cost_samples`](Self::cost_samples) in words.
+    pub fn cost_in_words() -> String {
+        format!(
+            "mean settling time in samples + {} per late step in a hundred + {PER_TOLERANCE} per multiple of P_tol of \
+             overshoot + {PER_LIFT} per lift and s + {PER_FAILED_CHECK} per binding requirement that all rigs fail",
+            PER_LATE_SHARE / 100.0
+        )
     }
 
     /// Returns whether `other` settles as soon, overshoots as little and lifts as seldom, with as few late steps, and is

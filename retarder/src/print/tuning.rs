@@ -66,13 +66,14 @@ pub(crate) fn tuning(tuned: &Tuned, terminal: &Terminal) -> String {
     text += &table.to_string();
     text += &painted_paragraph(
         Colour::Faint,
-        "*: in the controller file: of the least costs, the least on further rigs, or --choose NUMBER. The others are the \
-         given controller, both experiments, and candidates that no other one beats in settling, overshoot and lifts \
-         together. K: % per bar, T_i and T_d: ms, boost: % per bar and s, resp.: response of the boost in bar, hor.: samples \
-         of the prediction, settle: mean in samples, over: overshoot in bar that 99 % of the steps do not exceed, lifts: \
-         both valves, per s, pass: rigs that meet every binding requirement. cost: mean settling time + 2 per late step in \
-         a hundred + 5 per multiple of P_tol of overshoot + 0.3 per lift and s + 10 per binding requirement that all rigs \
-         fail.",
+        &format!(
+            "*: in the controller file: of the least costs, the least on further rigs, or --choose NUMBER. The others are \
+             the given controller, both experiments, and candidates that no other one beats in settling, overshoot and \
+             lifts together. K: % per bar, T_i and T_d: ms, boost: % per bar and s, resp.: response of the boost in bar, \
+             hor.: samples of the prediction, settle: mean in samples, over: overshoot in bar that 99 % of the steps do \
+             not exceed, lifts: both valves, per s, pass: rigs that meet every binding requirement. cost: {}.",
+            Quality::cost_in_words()
+        ),
         terminal,
     );
     text += "\n";
