@@ -53,11 +53,13 @@ pub struct Settings {
 
 /// Model-based pulses: in each sample the one pulse that lands on the reference, from tables of a nominal plant.
 ///
-/// `tolerance_bar` is their deadband, `supply_pressure_bar` their supply pressure. They need a [`Compensation`] to follow
-/// the supply voltage.
+/// `supply_pressure_bar` is their supply pressure. They need a [`Compensation`] to follow the supply voltage. Where it
+/// leaves the coils too little current, the ECU uses the PID controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pulses {
+    /// Deadband (bar): a smaller error gets no pulse.
+    pub deadband_bar: I16F16,
     /// Diameter of the orifices (mm). There are tables for 1.3 and 1.9 mm; the nearest one is used.
     pub orifice_mm: I16F16,
     /// Rate k of the open fill valve (1/s): choked flow over supply pressure and volume.
@@ -292,8 +294,8 @@ impl Settings {
     /// of the recommended controller.
     pub const fn pulses() -> Self {
         const PULSES: Settings = Settings {
-            tolerance_bar: I16F16::lit("0.07"),
             pulses: Some(Pulses {
+                deadband_bar: I16F16::lit("0.07"),
                 orifice_mm: I16F16::lit("1.9"),
                 fill_rate_per_s: I16F16::lit("7.13"),
                 vent_rate_per_s: I16F16::lit("7.28"),

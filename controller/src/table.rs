@@ -25,6 +25,7 @@ const NO_COMPENSATION: Compensation = Compensation {
 };
 
 const NO_PULSES: Pulses = Pulses {
+    deadband_bar: ZERO,
     orifice_mm: ZERO,
     fill_rate_per_s: ZERO,
     vent_rate_per_s: ZERO,
@@ -206,8 +207,11 @@ crate::settings_table! {
             Settings { compensation: Some(Compensation { release_shift_pct: x, .. }), .. } });
 
     Pulses: choice ("pulses" Section,
-        "model-based pulses in place of PID controller and distributor; without the table [pulses] they are off",
+        "model-based pulses in place of PID controller and distributor, while the coils get current enough; without the table [pulses] they are off",
         pulses { pulses }, pulses { "off" = None, "on" = Some(NO_PULSES) });
+    PulseDeadband: number ("pulse_deadband_bar" ["bar"] "0" ..= "10",
+        "deadband of the pulses: a smaller error gets none",
+        pulses { deadband_bar: Settings { pulses: Some(Pulses { deadband_bar: x, .. }), .. } });
     PulseOrifice: number ("pulse_orifice_mm" ["mm"] "0.5" ..= "5",
         "diameter of the orifices; of the tables for 1.3 and 1.9 mm the nearest one is used",
         pulses { orifice_mm: Settings { pulses: Some(Pulses { orifice_mm: x, .. }), .. } });

@@ -17,4 +17,23 @@ impl DutyScales {
         vent: DutyScale::ONE,
         release: ReleaseShift::NONE,
     };
+
+    /// Factor of a coil (U₀/U · R/R₀, 2⁻¹⁶) from which on the PID controller drives the valves, and not pulses: 1.48.
+    ///
+    /// Little above the current that opens it, a valve opens late and not fully, by scatter that no table knows. The
+    /// integral part waits until the pressure moves. `docs/evidence.md` has the steps that are late with either one.
+    const PULSES_MAX: u32 = 96_993;
+    /// Factor up to which pulses begin again: 1.43.
+    const PULSES_AGAIN: u32 = 93_716;
+
+    /// Returns whether the currents of both coils are large enough for model-based pulses.
+    #[inline(always)]
+    pub(crate) const fn allow_pulses(&self, are_active: bool) -> bool {
+        let limit = if are_active {
+            Self::PULSES_MAX
+        } else {
+            Self::PULSES_AGAIN
+        };
+        self.fill.to_bits() < limit && self.vent.to_bits() < limit
+    }
 }

@@ -53,8 +53,16 @@ struct EcuState {
     /// Last reference that was passed to the controller.
     reference: Pressure,
     u: ControlSignal,
-    /// Whether the controller was active in the last sample; otherwise it takes over.
-    is_controlled: bool,
+    /// Controller that was active in the last sample: another one takes over.
+    active: Active,
+}
+
+/// Controller of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Active {
+    None,
+    Pid,
+    Pulses,
 }
 
 impl Ecu {
@@ -78,7 +86,7 @@ impl Ecu {
                 pressure: Pressure::ZERO,
                 reference: Pressure::ZERO,
                 u: ControlSignal::ZERO,
-                is_controlled: false,
+                active: Active::None,
             },
         }
     }
@@ -201,8 +209,10 @@ impl EcuState {
         let mode = self.supervisor.mode();
         let before = self.command.opening;
         self.u = ControlSignal::ZERO;
-        let was_controlled = self.is_controlled;
-        self.is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
+        let is_controlled = matches!(mode, Mode::Waiting | Mode::Running | Mode::Ramping);
+        if !is_controlled {
+            self.active = Active::None;
+        }
         if mode == Mode::Venting && self.supervisor.vents_now() {
             return Output {
                 duty_fill: Duty::OFF,
@@ -210,18 +220,19 @@ impl EcuState {
             };
         }
         let is_believed = observation.pressure.is_some() || !config.has(Mechanism::ShutOnDoubt);
-        if !self.is_controlled || !is_believed {
-            // Without a pressure it cannot take over; a controller that was active stays active.
+        if !is_controlled || !is_believed {
+            // Without a pressure none takes over; a controller that was active stays active.
             self.pulses.interrupt();
-            self.is_controlled &= was_controlled;
             return Output::OFF;
         }
         self.reference = self
             .supervisor
             .reference(observation.reference, self.pressure);
         let requested = match config.controller.pulses() {
-            Some(pulses) => self.pulsed(pulses, !was_controlled),
-            None => self.controlled(config, !was_controlled),
+            Some(pulses) if self.scales.allow_pulses(self.active != Active::Pid) => {
+                self.pulsed(pulses)
+            }
+            _ => self.controlled(config),
         };
         let mut opening = if config.limits.mechanisms.drives_both() {
             BOTH
@@ -244,9 +255,11 @@ impl EcuState {
         opening
     }
 
-    /// Returns the valve openings that the controller requests.
+    /// Returns the valve openings that the PID controller requests.
     #[inline(always)]
-    fn controlled(&mut self, config: &EcuConfig, takes_over: bool) -> Output {
+    fn controlled(&mut self, config: &EcuConfig) -> Output {
+        let takes_over = self.active != Active::Pid;
+        self.active = Active::Pid;
         let input = Input {
             reference: self.reference,
             pressure: self.pressure,
@@ -265,7 +278,9 @@ impl EcuState {
 
     /// Returns the valve openings that the model-based pulses request.
     #[inline(always)]
-    fn pulsed(&mut self, pulses: &PulseConfig, takes_over: bool) -> Output {
+    fn pulsed(&mut self, pulses: &PulseConfig) -> Output {
+        let takes_over = self.active != Active::Pulses;
+        self.active = Active::Pulses;
         let input = Input {
             reference: self.reference,
             pressure: self.pressure,

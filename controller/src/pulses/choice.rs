@@ -40,7 +40,7 @@ pub fn pulse_step(
         let error = reference
             .wrapping_add(leak.lead_of_start())
             .wrapping_sub(pressure);
-        if error < config.tolerance && error > config.tolerance.wrapping_neg() {
+        if error < config.deadband && error > config.deadband.wrapping_neg() {
             return Output::OFF;
         }
         *run = Run::beginning(error > 0, pressure);
@@ -48,7 +48,7 @@ pub fn pulse_step(
     let choice = Choice {
         config,
         pressure,
-        target: reference.wrapping_add(leak.lead_of_landing(config.tolerance)),
+        target: reference.wrapping_add(leak.lead_of_landing(config.deadband)),
         is_moving,
     };
     let valve = run.valve;
@@ -155,12 +155,12 @@ mod tests {
     #[test]
     fn an_error_of_the_deadband_is_corrected_and_a_smaller_one_not() {
         let config = config();
-        let (pressure, tolerance) = (3 << 16, config.tolerance);
+        let (pressure, deadband) = (3 << 16, config.deadband);
         for (error, is_driven) in [
-            (tolerance, true),
-            (-tolerance, true),
-            (tolerance - 1, false),
-            (1 - tolerance, false),
+            (deadband, true),
+            (-deadband, true),
+            (deadband - 1, false),
+            (1 - deadband, false),
         ] {
             let mut state = PulseState::at_rest();
             let input = at(pressure + error, pressure);
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn periods_that_last_long_enough_are_followed_by_no_pulse() {
         let config = config();
-        let (pressure, reference) = (3 << 16, (3 << 16) + config.tolerance);
+        let (pressure, reference) = (3 << 16, (3 << 16) + config.deadband);
         let mut state = PulseState::at_rest();
         state.run = Run {
             periods: 1,

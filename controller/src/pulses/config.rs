@@ -26,7 +26,7 @@ pub struct PulseConfig {
     /// Time from a sample to its pulse (µs).
     pub(super) delay_us: i32,
     /// Deadband (bar), 2⁻¹⁶.
-    pub(super) tolerance: i32,
+    pub(super) deadband: i32,
     /// Cells of the fill valve's table of the flow coordinate per bar, 2⁻¹⁶.
     pub(super) fill_cells_per_bar: i32,
     /// Open time per unit of the flow coordinate (µs).
@@ -47,7 +47,7 @@ impl PulseConfig {
         };
         let period = Range::between(PERIOD_MS, PERIOD_MS);
         propagate!(period.checked(Field::SampleTime, settings.sample_time_ms));
-        let tolerance = propagate!(checked(Field::Tolerance, settings.tolerance_bar));
+        let deadband = propagate!(checked(Field::PulseDeadband, pulses.deadband_bar));
         let supply = propagate!(checked(Field::SupplyPressure, settings.supply_pressure_bar));
         let orifice = propagate!(checked(Field::PulseOrifice, pulses.orifice_mm));
         let fill = propagate!(checked(Field::PulseFillRate, pulses.fill_rate_per_s));
@@ -60,7 +60,7 @@ impl PulseConfig {
         Ok(Some(Self {
             is_large: orifice >= LARGE_ORIFICE,
             delay_us: thousandfold(delay),
-            tolerance,
+            deadband,
             fill_cells_per_bar: fill_cells_per_bar(supply),
             fill_us: (1_000_000_i64 << 16).wrapping_div(fill as i64 | 1) as i32,
             vent_us: (1_000_000_i64 << 16).wrapping_div(vent as i64 | 1) as i32,

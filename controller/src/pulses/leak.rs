@@ -68,8 +68,8 @@ impl Leak {
 
     /// Returns the pressure beyond the reference on which a pulse lands (bar), 2⁻¹⁶, with this deadband.
     #[inline(always)]
-    pub(super) fn lead_of_landing(&self, tolerance: i32) -> i32 {
-        let share = |eighths: i32| tolerance.wrapping_mul(eighths) >> 3;
+    pub(super) fn lead_of_landing(&self, deadband: i32) -> i32 {
+        let share = |eighths: i32| deadband.wrapping_mul(eighths) >> 3;
         let drifted = self.drift.wrapping_neg() >> (ERROR_SHIFT - ADVANCE_BITS);
         let advance = drifted.wrapping_abs().wrapping_sub(share(DOUBTED_EIGHTHS));
         let advance = advance.max(0).min(share(ADVANCE_EIGHTHS));
@@ -109,11 +109,11 @@ mod tests {
     /// With a leak, a pulse lands beyond the reference, so that the next one comes later; without one, on it.
     #[test]
     fn a_pulse_lands_beyond_the_reference_by_thirty_two_samples_of_a_leak_and_not_by_noise() {
-        let tolerance = 5_600;
+        let deadband = 5_600;
         for (fall, advance) in [(0, 0), (40, 0), (100, 32 * 100 - 1_400), (200, 3_500)] {
             for sign in [1, -1] {
                 let leak = leak_after(1_000, sign * fall, &Run::SHUT);
-                let found = leak.lead_of_landing(tolerance) - leak.lead_of_start();
+                let found = leak.lead_of_landing(deadband) - leak.lead_of_start();
                 assert!((found - sign * advance).abs() <= 20, "{fall}: {found}");
             }
         }
