@@ -34,7 +34,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    fn named(name: impl Into<String>) -> Self {
+    pub(crate) fn named(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
             conditions: OperatingConditions::default(),
@@ -123,6 +123,17 @@ impl Condition {
         requirement: &Requirement,
         count: u32,
     ) -> Result<Row, RigError> {
+        let measured = self.measured(scenario, requirement, count)?;
+        Ok(measured.row(self.name.clone(), requirement))
+    }
+
+    /// Runs `scenario` under this condition on `count` rigs, without a summary.
+    pub(crate) fn measured(
+        &self,
+        scenario: &Scenario,
+        requirement: &Requirement,
+        count: u32,
+    ) -> Result<Measured, RigError> {
         let scenario = self
             .applied_to(scenario.clone())
             .map_err(|error| RigError::Condition {
@@ -136,10 +147,31 @@ impl Condition {
             let scenario = rigs::rig_in_operation(&scenario, rig.rig, self.scatter)?;
             over_minimum.add(&scenario, &rig.verdict.steps, requirement);
         }
-        Ok(Row {
-            over_minimum,
-            ..Row::of(self.name.clone(), &rigs, requirement)
-        })
+        Ok(Measured { rigs, over_minimum })
+    }
+}
+
+/// Verdicts on rigs under a condition, beside what their valves allow.
+#[derive(Default)]
+pub(crate) struct Measured {
+    pub(crate) rigs: Vec<RigVerdict>,
+    over_minimum: OverMinimum,
+}
+
+impl Measured {
+    /// Adds rigs of another kind.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.rigs.extend(other.rigs);
+        self.over_minimum.ratios.extend(other.over_minimum.ratios);
+        self.over_minimum.late += other.over_minimum.late;
+    }
+
+    /// Returns the summary of all rigs under this name.
+    pub(crate) fn row(self, name: String, requirement: &Requirement) -> Row {
+        Row {
+            over_minimum: self.over_minimum,
+            ..Row::of(name, &self.rigs, requirement)
+        }
     }
 }
 
@@ -166,6 +198,8 @@ pub struct Row {
     pub faults: Vec<(String, usize)>,
     /// Number of rigs.
     pub rigs: usize,
+    /// Number of steps on all of them.
+    pub steps: usize,
 }
 
 impl Row {
@@ -202,6 +236,7 @@ impl Row {
             rigs_with_fault: rigs.iter().filter(|rig| !faults_of(rig).is_empty()).count(),
             faults,
             rigs: rigs.len(),
+            steps: settling.count(),
         }
     }
 }

@@ -4,6 +4,7 @@ pub mod campaign;
 pub mod checks;
 pub mod compared;
 pub mod condition_table;
+pub mod goals;
 pub mod confirmed_fault;
 pub mod controller_file;
 pub mod device;

@@ -4,7 +4,7 @@ use plant_sim::PlantParameters;
 use plant_sim::parameters::LagOf;
 use recording::Recording;
 
-use super::rounds::{ROUNDS, begin_at_delay, forgiving_fitter, in_rounds};
+use super::rounds::{ROUNDS, Start, begin_at_delay, forgiving_fitter, in_rounds};
 use super::unknowns_of;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::errors::Errors;
@@ -61,10 +61,9 @@ fn fitted(
     let mut plant = with_logged_supply(plant, logs.iter().chain(check));
     state_first_file(&mut plant);
     let mut split = Split::as_given(&plant, logs, check)?;
-    let unknowns = unknowns_of(&plant, &split.fitting);
-    let mut z = unknowns.start();
-    begin_at_delay(&unknowns, &mut z, best_delay_s(&plant, &split.fitting));
-    let (unknowns, z) = in_rounds(&plant, &mut split, (unknowns, z), ROUNDS, watch)?;
+    let mut start = Start::of(unknowns_of(&plant, &split.fitting));
+    begin_at_delay(&mut start, best_delay_s(&plant, &split.fitting));
+    let Start { unknowns, z } = in_rounds(&plant, &mut split, start, ROUNDS, watch)?;
     let robust = forgiving_fitter(&split.fitting, &unknowns).at(z.clone());
     let plain = Fitter::new(&split.fitting, &unknowns).at(z);
     let (robust, plain) = robust.zip(plain).ok_or_else(|| split.not_simulated())?;

@@ -29,6 +29,20 @@ const ROUNDS_IN_VAIN: usize = 2;
 /// ... a round succeeds if it lowers the cost by this share.
 const BETTER_ROUND: f64 = 0.02;
 
+/// Unknowns of a fit, and the coordinates at which it begins.
+pub(super) struct Start {
+    pub(super) unknowns: Unknowns,
+    pub(super) z: Vec<f64>,
+}
+
+impl Start {
+    /// Returns the values of the plant file.
+    pub(super) fn of(unknowns: Unknowns) -> Self {
+        let z = unknowns.start();
+        Self { unknowns, z }
+    }
+}
+
 /// Fits from `z` with a robust loss.
 pub(super) fn forgiving(
     evidence: &Evidence,
@@ -47,23 +61,24 @@ pub(super) fn forgiving_fitter<'a>(evidence: &'a Evidence, unknowns: &'a Unknown
     fitter
 }
 
-/// Fits from `z` with a robust loss and reassigns the commands, in `rounds` at most; it ends when several consecutive rounds do not lower
+/// Fits from `start` with a robust loss and reassigns the commands, in `rounds` at most; it ends when several consecutive rounds do not lower
 /// the cost.
 pub(super) fn in_rounds(
     plant: &PlantParameters,
     split: &mut Split,
-    (mut unknowns, mut z): (Unknowns, Vec<f64>),
+    mut start: Start,
     rounds: usize,
     watch: Watch,
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+) -> Result<Start, DiagnoseError> {
     let mut best: Option<Assigned> = None;
     let mut in_vain = 0;
     for round in 0..rounds {
         let done = round as f64 / rounds as f64;
         report(watch, "estimating, large errors forgiven", done)?;
-        let fit = forgiving(&split.fitting, &unknowns, z.clone(), Descent::Whole);
+        let Start { unknowns, z } = &start;
+        let fit = forgiving(&split.fitting, unknowns, z.clone(), Descent::Whole);
         let fit = fit.ok_or_else(|| split.not_simulated())?;
-        let fitted = Assigned::of(split, &unknowns, &fit);
+        let fitted = Assigned::of(split, unknowns, &fit);
         let is_better = |best: &Assigned| fitted.cost < (1.0 - BETTER_ROUND) * best.cost;
         in_vain = match best.as_ref().is_none_or(is_better) {
             true => 0,
@@ -75,13 +90,13 @@ pub(super) fn in_rounds(
         if in_vain == ROUNDS_IN_VAIN {
             break;
         }
-        (unknowns, z) = assigned_anew(plant, split, &unknowns, &fit.z);
+        start = assigned_anew(plant, split, unknowns, &fit.z);
     }
     // The two rounds of fast logs end with the clocks of the last round.
     if let Some(best) = best.filter(|_| rounds > ROUNDS) {
-        (unknowns, z) = best.restored(split);
+        start = best.restored(split);
     }
-    Ok((unknowns, z))
+    Ok(start)
 }
 
 /// Searches the clocks of slow loggers without prior knowledge, now that the plant is better known, and fits with them; returns to the
@@ -89,18 +104,19 @@ pub(super) fn in_rounds(
 pub(super) fn with_clocks_anew(
     plant: &PlantParameters,
     split: &mut Split,
-    (unknowns, z): (Unknowns, Vec<f64>),
+    start: Start,
     watch: Watch,
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let before = Assigned::at(split, &unknowns, z)?;
+) -> Result<Start, DiagnoseError> {
+    let before = Assigned::at(split, start)?;
     let open = split
         .fitting
         .logs
         .iter_mut()
         .filter(|log| log.is_clock_open());
     open.for_each(|log| log.conditions.clock = None);
-    let begun = with_clocks(plant, split, &unknowns, &before.z);
-    match before.improved_from(begun, (plant, split), ROUNDS_OF_SLOW_LOGS, watch)? {
+    let Start { unknowns, z } = &before.start;
+    let begun = with_clocks(plant, split, unknowns, z);
+    match before.improved_from(begun, plant, split, ROUNDS_OF_SLOW_LOGS, watch)? {
         Some(anew) => Ok(anew),
         None => Ok(before.restored(split)),
     }
@@ -111,42 +127,44 @@ pub(super) fn with_clocks_anew(
 pub(super) fn with_clocks_chosen_again(
     plant: &PlantParameters,
     split: &mut Split,
-    (unknowns, z): (Unknowns, Vec<f64>),
+    start: Start,
     watch: Watch,
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
-    let before = Assigned::at(split, &unknowns, z)?;
+) -> Result<Start, DiagnoseError> {
+    let before = Assigned::at(split, start)?;
     let logs = split.fitting.logs.clone();
-    split.fitting.take_conditions(&unknowns, &before.z);
-    if choose_clocks_again(&unknowns.plant(&before.z), &mut split.fitting) {
-        let begun = begun_at(plant, &split.fitting, &unknowns, &before.z);
-        if let Some(anew) = before.improved_from(begun, (plant, split), ROUNDS, watch)? {
+    let Start { unknowns, z } = &before.start;
+    split.fitting.take_conditions(unknowns, z);
+    if choose_clocks_again(&unknowns.plant(z), &mut split.fitting) {
+        let begun = begun_at(plant, &split.fitting, unknowns, z);
+        if let Some(anew) = before.improved_from(begun, plant, split, ROUNDS, watch)? {
             return Ok(anew);
         }
     }
     split.fitting.logs = logs;
-    Ok((before.unknowns, before.z))
+    Ok(before.start)
 }
 
 /// Assigns the commands of slow logs in pairs with the fitted plant, and fits with them.
 pub(super) fn with_commands_settled(
     plant: &PlantParameters,
     split: &mut Split,
-    (mut unknowns, mut z): (Unknowns, Vec<f64>),
-) -> Result<(Unknowns, Vec<f64>), DiagnoseError> {
+    mut start: Start,
+) -> Result<Start, DiagnoseError> {
     if !split.fitting.logs.iter().any(Log::is_slow) {
-        return Ok((unknowns, z));
+        return Ok(start);
     }
     for _ in 0..ROUNDS {
+        let Start { unknowns, z } = start;
         split.fitting.take_conditions(&unknowns, &z);
         let there = unknowns.plant(&z);
         for log in &mut split.fitting.logs {
             log.settle_commands(&there);
         }
-        (unknowns, z) = begun_at(plant, &split.fitting, &unknowns, &z);
-        let fit = forgiving(&split.fitting, &unknowns, z, Descent::Whole);
-        z = fit.ok_or_else(|| split.not_simulated())?.z;
+        start = begun_at(plant, &split.fitting, &unknowns, &z);
+        let fit = forgiving(&split.fitting, &start.unknowns, start.z, Descent::Whole);
+        start.z = fit.ok_or_else(|| split.not_simulated())?.z;
     }
-    Ok((unknowns, z))
+    Ok(start)
 }
 
 /// Fit with the conditions of the logs.
@@ -154,8 +172,7 @@ struct Assigned {
     cost: f64,
     conditions: Vec<Conditions>,
     issued_ns: Vec<Vec<u64>>,
-    unknowns: Unknowns,
-    z: Vec<f64>,
+    start: Start,
 }
 
 impl Assigned {
@@ -165,38 +182,41 @@ impl Assigned {
             cost: fit.cost,
             conditions: split.fitting.conditions(),
             issued_ns: logs.map(|log| log.issued_ns().to_vec()).collect(),
-            unknowns: unknowns.clone(),
-            z: fit.z.clone(),
+            start: Start {
+                unknowns: unknowns.clone(),
+                z: fit.z.clone(),
+            },
         }
     }
 
-    /// Returns the state at the coordinates `z`, with the present conditions of the logs.
-    fn at(split: &Split, unknowns: &Unknowns, z: Vec<f64>) -> Result<Self, DiagnoseError> {
-        let there = forgiving_fitter(&split.fitting, unknowns).at(z);
+    /// Returns the state at `start`, with the present conditions of the logs.
+    fn at(split: &Split, start: Start) -> Result<Self, DiagnoseError> {
+        let there = forgiving_fitter(&split.fitting, &start.unknowns).at(start.z);
         let there = there.ok_or_else(|| split.not_simulated())?;
-        Ok(Self::of(split, unknowns, &there))
+        Ok(Self::of(split, &start.unknowns, &there))
     }
 
     /// Returns the fit from `begun` in `rounds`, with other conditions of the logs; none if its cost is not lower.
     fn improved_from(
         &self,
-        begun: (Unknowns, Vec<f64>),
-        (plant, split): (&PlantParameters, &mut Split),
+        begun: Start,
+        plant: &PlantParameters,
+        split: &mut Split,
         rounds: usize,
         watch: Watch,
-    ) -> Result<Option<(Unknowns, Vec<f64>)>, DiagnoseError> {
+    ) -> Result<Option<Start>, DiagnoseError> {
         let anew = in_rounds(plant, split, begun, rounds, watch)?;
-        let there = forgiving_fitter(&split.fitting, &anew.0).at(anew.1.clone());
+        let there = forgiving_fitter(&split.fitting, &anew.unknowns).at(anew.z.clone());
         let is_lower = there.is_some_and(|there| there.cost < self.cost);
         Ok(is_lower.then_some(anew))
     }
 
-    fn restored(self, split: &mut Split) -> (Unknowns, Vec<f64>) {
+    fn restored(self, split: &mut Split) -> Start {
         split.fitting.replace_conditions(&self.conditions);
         for (log, issued_ns) in split.fitting.logs.iter_mut().zip(self.issued_ns) {
             log.set_issued_ns(issued_ns);
         }
-        (self.unknowns, self.z)
+        self.start
     }
 }
 
@@ -207,7 +227,7 @@ pub(super) fn assigned_anew(
     split: &mut Split,
     fitted: &Unknowns,
     z: &[f64],
-) -> (Unknowns, Vec<f64>) {
+) -> Start {
     let mut conditions = split.fitting.conditions();
     fitted.conditions(z, &mut conditions);
     split.fitting.set_conditions(&conditions, &fitted.plant(z));
@@ -220,7 +240,7 @@ fn with_clocks(
     split: &mut Split,
     fitted: &Unknowns,
     z: &[f64],
-) -> (Unknowns, Vec<f64>) {
+) -> Start {
     let there = fitted.plant(z);
     let drifts_ppm = split.fitting.drifts_ppm();
     for log in split
@@ -232,22 +252,20 @@ fn with_clocks(
         find_clock(&there, log, Delay::AsGiven, &drifts_ppm);
     }
     let delay = fitted.list().iter().find(|unknown| unknown.is_delay());
-    let delays_s = delay.map_or(
-        (there.ecu.command_delay_s, there.ecu.command_delay_s),
-        |delay| {
-            let (least, most) = delay.bounds();
-            (delay.value(least), delay.value(most))
-        },
-    );
-    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s, Search::InTurn);
+    let there_s = there.ecu.command_delay_s;
+    let delays_s = delay.map_or(there_s..=there_s, |delay| {
+        let (least, most) = delay.bounds();
+        delay.value(least)..=delay.value(most)
+    });
+    let delay_s = find_slow_clocks(&there, &mut split.fitting, delays_s.clone(), Search::InTurn);
     let mut with_delay = there;
     with_delay.ecu.command_delay_s = delay_s.unwrap_or(with_delay.ecu.command_delay_s);
     let centred_s = centre_slow_clocks(&with_delay, &mut split.fitting, delays_s);
-    let (unknowns, mut next) = begun_at(plant, &split.fitting, fitted, z);
+    let mut next = begun_at(plant, &split.fitting, fitted, z);
     if let Some(delay_s) = centred_s.or(delay_s) {
-        begin_at_delay(&unknowns, &mut next, delay_s);
+        begin_at_delay(&mut next, delay_s);
     }
-    (unknowns, next)
+    next
 }
 
 /// Returns coordinates that begin at the present conditions of the logs, and at `z` of `fitted` for the rest.
@@ -256,7 +274,7 @@ fn begun_at(
     evidence: &Evidence,
     fitted: &Unknowns,
     z: &[f64],
-) -> (Unknowns, Vec<f64>) {
+) -> Start {
     let unknowns = unknowns_of(plant, evidence);
     let is_kept = |unknown: &&Unknown| !matches!(unknown, Unknown::Log(_));
     let of_rest = fitted.list().iter().zip(z);
@@ -271,12 +289,12 @@ fn begun_at(
     {
         *to = of_rest.next().unwrap_or(*to);
     }
-    (unknowns, begun)
+    Start { unknowns, z: begun }
 }
 
 /// Sets the delay of the commands to the value that the logs show best: a step of a fit does not reach beyond a pulse.
-pub(super) fn begin_at_delay(unknowns: &Unknowns, z: &mut [f64], delay_s: f64) {
-    for (unknown, z) in unknowns.list().iter().zip(z) {
+pub(super) fn begin_at_delay(start: &mut Start, delay_s: f64) {
+    for (unknown, z) in start.unknowns.list().iter().zip(&mut start.z) {
         if unknown.is_delay() {
             let (least, most) = unknown.bounds();
             *z = unknown.coordinate_of(delay_s).clamp(least, most);

@@ -11,7 +11,7 @@ use plant_sim::replay::CurrentSampling;
 use rayon::prelude::*;
 
 use super::rounds::{
-    OUTLIER, ROUNDS, ROUNDS_OF_SLOW_LOGS, assigned_anew, begin_at_delay, forgiving,
+    OUTLIER, ROUNDS, ROUNDS_OF_SLOW_LOGS, Start, assigned_anew, begin_at_delay, forgiving,
     forgiving_fitter, in_rounds, with_clocks_anew, with_clocks_chosen_again, with_commands_settled,
 };
 use super::unknowns_of;
@@ -74,34 +74,34 @@ pub(super) fn fit(
     intervals: Intervals,
     watch: Watch,
 ) -> Result<Fitted, DiagnoseError> {
-    let mut unknowns = unknowns_of(plant, &split.fitting);
-    let mut z = unknowns.start();
-    begin_at_delay(&unknowns, &mut z, best_delay_s(plant, &split.fitting));
+    let mut start = Start::of(unknowns_of(plant, &split.fitting));
+    begin_at_delay(&mut start, best_delay_s(plant, &split.fitting));
     let has_current = split.fitting.logs.iter().any(Log::has_current);
     if has_current {
         report(watch, "estimating the coils from their currents", 0.0)?;
-        z = fit_coils(split, &unknowns, &z)?;
+        start.z = fit_coils(split, &start.unknowns, &start.z)?;
     }
     let is_slow = split.fitting.logs.iter().any(Log::is_slow);
     let rounds = if is_slow { ROUNDS_OF_SLOW_LOGS } else { ROUNDS };
-    (unknowns, z) = in_rounds(plant, split, (unknowns, z), rounds, watch)?;
-    if leaves_more_than_noise(split, &unknowns, &z)? {
+    start = in_rounds(plant, split, start, rounds, watch)?;
+    if leaves_more_than_noise(split, &start)? {
         if is_slow {
-            (unknowns, z) = with_clocks_anew(plant, split, (unknowns, z), watch)?;
+            start = with_clocks_anew(plant, split, start, watch)?;
         } else if !Part::DelayedOutput.is_in(plant) {
             // With a command delay, each clock was tried with every delay.
-            (unknowns, z) = with_clocks_chosen_again(plant, split, (unknowns, z), watch)?;
+            start = with_clocks_chosen_again(plant, split, start, watch)?;
         }
     }
-    (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
-    if leaves_more_than_noise(split, &unknowns, &z)? {
+    start = with_commands_settled(plant, split, start)?;
+    if leaves_more_than_noise(split, &start)? {
         report(watch, "estimating, from other starts", 0.0)?;
-        if let Some(other) = from_other_starts(&split.fitting, &unknowns, &z, has_current) {
-            (unknowns, z) = assigned_anew(plant, split, &unknowns, &other.z);
-            (unknowns, z) = with_commands_settled(plant, split, (unknowns, z))?;
+        if let Some(other) = from_other_starts(&split.fitting, &start, has_current) {
+            start = assigned_anew(plant, split, &start.unknowns, &other.z);
+            start = with_commands_settled(plant, split, start)?;
         }
     }
     report(watch, "estimating, least squares", 0.0)?;
+    let Start { unknowns, z } = start;
     let mut fitter = Fitter::new(&split.fitting, &unknowns);
     fitter.step_scale = FINE;
     fitter.converged_share = CONVERGED_SHARE;
@@ -144,12 +144,8 @@ pub(super) fn fit(
     })
 }
 
-fn leaves_more_than_noise(
-    split: &Split,
-    unknowns: &Unknowns,
-    z: &[f64],
-) -> Result<bool, DiagnoseError> {
-    let there = Fitter::new(&split.fitting, unknowns).at(z.to_vec());
+fn leaves_more_than_noise(split: &Split, start: &Start) -> Result<bool, DiagnoseError> {
+    let there = Fitter::new(&split.fitting, &start.unknowns).at(start.z.clone());
     let there = there.ok_or_else(|| split.not_simulated())?;
     Ok(Errors::new(&split.fitting, &there.residuals, Horizon::OneStepAhead).is_material())
 }
@@ -202,14 +198,10 @@ fn delays_all_over(unknowns: &Unknowns, z: &[f64]) -> Vec<Vec<f64>> {
     (0..parts as usize).map(with_delay).collect()
 }
 
-/// Returns the best fit from starts over the whole ranges of the parameters, if it is another valley than that of `z`. Parameters that
+/// Returns the best fit from starts over the whole ranges of the parameters, if it is another valley than that of `start`. Parameters that
 /// currents determine stay unchanged with `show_coils`.
-fn from_other_starts(
-    evidence: &Evidence,
-    unknowns: &Unknowns,
-    z: &[f64],
-    show_coils: bool,
-) -> Option<Fit> {
+fn from_other_starts(evidence: &Evidence, start: &Start, show_coils: bool) -> Option<Fit> {
+    let Start { unknowns, z } = start;
     let here = forgiving_fitter(evidence, unknowns).at(z.to_vec())?;
     let starts = (1..=STARTS).into_par_iter();
     let begun = starts.filter_map(|n| {

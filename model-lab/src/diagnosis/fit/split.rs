@@ -227,7 +227,7 @@ impl Split {
         // given resolves it.
         let there_s = fitted.ecu.command_delay_s;
         let reach_s = 0.5 * fitted.ecu.sample_time_s;
-        let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
+        let delays_s = (there_s - reach_s).max(0.0)..=there_s + reach_s;
         let found_s = find_slow_clocks(&fitted, &mut self.checking, delays_s, Search::Together);
         if let Some(found_s) = found_s {
             self.checking.shift_clocks(there_s - found_s);
@@ -374,7 +374,7 @@ impl Split {
         self.take_conditions(best);
         let reach_s = 0.5 * plant.ecu.sample_time_s;
         let there_s = plant.ecu.command_delay_s;
-        let delays_s = ((there_s - reach_s).max(0.0), there_s + reach_s);
+        let delays_s = (there_s - reach_s).max(0.0)..=there_s + reach_s;
         let fitting = &mut self.fitting;
         let delay_s = find_slow_clocks(&plant, fitting, delays_s, Search::Together);
         let Some(delay_s) = delay_s else {
@@ -382,7 +382,7 @@ impl Split {
             return None;
         };
         if !self.checking.is_rest_of_fitted {
-            let delays_s = (delay_s, delay_s);
+            let delays_s = delay_s..=delay_s;
             find_slow_clocks(&plant, &mut self.checking, delays_s, Search::Together);
         }
         plant.ecu.command_delay_s = delay_s;

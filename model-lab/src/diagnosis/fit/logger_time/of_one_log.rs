@@ -53,7 +53,7 @@ pub(crate) fn conditions_of(
     }
     if evidence.logs[0].is_slow() && evidence.logs[0].conditions.clock.is_some() {
         let delay_s = plant.ecu.command_delay_s;
-        find_slow_clocks(plant, &mut evidence, (delay_s, delay_s), Search::Together);
+        find_slow_clocks(plant, &mut evidence, delay_s..=delay_s, Search::Together);
     }
     if !goes_on() {
         return None;

@@ -4,7 +4,7 @@
 //! command, delay minus phase. Clocks with this time in the middle of the log are tried: all delays, since the phase decides which sample
 //! of the ECU a row can show, and all drifts, which shift the ends of the log.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -56,7 +56,7 @@ impl Open {
 pub(crate) fn find_slow_clocks(
     plant: &PlantParameters,
     evidence: &mut Evidence,
-    delays_s: (f64, f64),
+    delays_s: RangeInclusive<f64>,
     search: Search,
 ) -> Option<f64> {
     let there_s = plant.ecu.command_delay_s;
@@ -66,7 +66,7 @@ pub(crate) fn find_slow_clocks(
     let delays_s = if has_delay {
         delays_s
     } else {
-        (there_s - reach_s, there_s + reach_s)
+        there_s - reach_s..=there_s + reach_s
     };
     let of_plant = |delay_s: f64| if has_delay { delay_s } else { there_s };
     let logs = evidence.logs.iter().enumerate();
@@ -112,7 +112,7 @@ pub(crate) fn find_slow_clocks(
     let candidates = if is_pinned {
         vec![there_s]
     } else {
-        delays_between(delays_s)
+        delays_between(&delays_s)
     };
     let best_drift = |one: &Open, delay_s: f64| {
         let tried = drifts_ppm(logs[one.log].duration_s(), one.drift_ppm).into_par_iter();
@@ -166,7 +166,7 @@ pub(crate) fn find_slow_clocks(
 pub(crate) fn centre_slow_clocks(
     plant: &PlantParameters,
     evidence: &mut Evidence,
-    delays_s: (f64, f64),
+    delays_s: RangeInclusive<f64>,
 ) -> Option<f64> {
     // A log whose commands determine its clock also determines the delay.
     let is_determined = !evidence.logs.iter().all(Log::is_clock_open);
@@ -175,7 +175,7 @@ pub(crate) fn centre_slow_clocks(
     }
     let there_s = plant.ecu.command_delay_s;
     let shifts = evidence.logs.iter().flat_map(Log::possible_shifts_s);
-    let delays = delays_s.0 - there_s..delays_s.1 - there_s;
+    let delays = delays_s.start() - there_s..delays_s.end() - there_s;
     let admitted = most_admitted(&shifts.collect::<Vec<_>>(), delays)?;
     let shift_s = 0.5 * (admitted.start + admitted.end);
     let sd_s = (EVEN_SD * 0.5 * (admitted.end - admitted.start)).max(LEAST_PHASE_SD_S);
@@ -221,7 +221,8 @@ fn drifts_ppm(duration_s: f64, there_ppm: f64) -> Vec<f64> {
 }
 
 /// Returns the delays to try (s).
-fn delays_between((least_s, most_s): (f64, f64)) -> Vec<f64> {
+fn delays_between(delays_s: &RangeInclusive<f64>) -> Vec<f64> {
+    let (least_s, most_s) = (delays_s.start(), delays_s.end());
     let parts = ((most_s - least_s) / DELAY_STEP_S).ceil().max(1.0);
     let place = |part: usize| least_s + (part as f64 + 0.5) / parts * (most_s - least_s);
     (0..parts as usize).map(place).collect()
@@ -249,7 +250,7 @@ mod tests {
             let noisy = with_values(&log, "p_ch", |_, bar| bar + noise_bar * noise.normal());
             let mut evidence = gather(&plant, [&noisy]).unwrap();
             assert!(evidence.logs[0].conditions.clock.is_none());
-            let delays_s = (9e-3, 19e-3);
+            let delays_s = 9e-3..=19e-3;
             find_slow_clocks(&plant, &mut evidence, delays_s, Search::Together)
         };
         assert!(found(0.02).is_some());
