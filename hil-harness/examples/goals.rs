@@ -51,7 +51,10 @@ fn main() -> ExitCode {
     };
     println!("| goal | bound | thesis | recommended | pulses |\n|---|---|---|---|---|");
     for (index, goal) in columns[0].iter().enumerate() {
-        let cells: Vec<String> = columns.iter().map(|goals| goals[index].to_string()).collect();
+        let cells: Vec<String> = columns
+            .iter()
+            .map(|goals| goals[index].to_string())
+            .collect();
         println!("| {} | {} | {} |", goal.name, goal.bound, cells.join(" | "));
     }
     ExitCode::SUCCESS

@@ -339,6 +339,9 @@ mod tests {
         let faults = named("confirmed fault");
         assert_eq!(faults.to_string(), "0 of 10 (yes)");
         let effects = named("does not know");
-        assert!(effects.reached.contains("`supply_seat_leak`"), "{effects:?}");
+        assert!(
+            effects.reached.contains("`supply_seat_leak`"),
+            "{effects:?}"
+        );
     }
 }

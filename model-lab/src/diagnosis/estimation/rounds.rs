@@ -235,12 +235,7 @@ pub(super) fn assigned_anew(
 }
 
 /// Searches clocks that are not known yet with the fitted plant, and those of slow loggers together with the delay.
-fn with_clocks(
-    plant: &PlantParameters,
-    split: &mut Split,
-    fitted: &Unknowns,
-    z: &[f64],
-) -> Start {
+fn with_clocks(plant: &PlantParameters, split: &mut Split, fitted: &Unknowns, z: &[f64]) -> Start {
     let there = fitted.plant(z);
     let drifts_ppm = split.fitting.drifts_ppm();
     for log in split
@@ -269,12 +264,7 @@ fn with_clocks(
 }
 
 /// Returns coordinates that begin at the present conditions of the logs, and at `z` of `fitted` for the rest.
-fn begun_at(
-    plant: &PlantParameters,
-    evidence: &Evidence,
-    fitted: &Unknowns,
-    z: &[f64],
-) -> Start {
+fn begun_at(plant: &PlantParameters, evidence: &Evidence, fitted: &Unknowns, z: &[f64]) -> Start {
     let unknowns = unknowns_of(plant, evidence);
     let is_kept = |unknown: &&Unknown| !matches!(unknown, Unknown::Log(_));
     let of_rest = fitted.list().iter().zip(z);
