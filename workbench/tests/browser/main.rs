@@ -7,6 +7,7 @@ mod closer;
 mod compare;
 mod control;
 mod driver;
+mod estimate;
 mod figures;
 mod history;
 mod hostile;
