@@ -2,6 +2,7 @@
 //!
 //! Images are saved in the target folder, under `tmp/`.
 
+mod accessibility;
 mod alignment;
 mod closer;
 mod compare;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
+use crate::accessibility::assert_accessible;
 use crate::driver::{Person, with_browser};
 
 /// A diagnosis takes a thousand simulations, in the tests' profile and beside other tests.
@@ -85,6 +86,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
                 .starts_with("Next: add the effect to the plant.")
         );
         person.picture("diagnose").await;
+        assert_accessible(person).await;
 
         // A page that is loaded again first closes its session: its findings are kept.
         person.client.refresh().await.unwrap();
@@ -220,6 +222,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
             .until("document.querySelector('#verdict .stale')")
             .await;
         person.picture("diagnose-dark").await;
+        assert_accessible(person).await;
         person.assert_nothing_was_refused().await;
     });
 }
