@@ -115,7 +115,7 @@ async fn simulate(
 }
 
 /// Begins a fit of all effects that are on, together with the parameters that differ between rigs, from the plant as
-/// opened or as last estimated.
+/// opened, or as last stated or estimated.
 async fn fit(
     State(sessions): Shared,
     Path(id): Path<String>,

@@ -40,7 +40,7 @@ class Page {
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
     this.redo = button("Redo", () => this.change("redo"), { id: "redo", title: "Ctrl+Shift+Z" });
-    this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened or last estimated" });
+    this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened, or as last stated or estimated" });
     this.plant = element("strong", { id: "plant-name" });
     this.sketch = sketchCard();
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
