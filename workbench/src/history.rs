@@ -1,4 +1,5 @@
-//! History of a plant: every change of page "Refine", with the error after it. Undo and redo move within it.
+//! History of a plant: every change of the pages "Estimate" and "Refine", with the error after it. Undo and redo move
+//! within it.
 
 use model_lab::SignalError;
 use model_lab::diagnosis::result::FittedParameter;
@@ -12,6 +13,11 @@ use crate::refusal::Refusal;
 
 /// Largest number of steps; beyond it the oldest is dropped, except for the first.
 const STEPS_MAX: usize = 100;
+
+/// File name of a plant that was changed here.
+const REFINED: &str = "refined.toml";
+/// Source of a value that the user chose.
+pub(crate) const BY_HAND: &str = "set by hand in the workbench";
 
 /// Steps of a plant, beginning with the opened one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -40,6 +46,9 @@ pub(crate) struct Step {
     pub(crate) fit: Option<Refinement>,
     /// Result of the estimation, if the step is one.
     pub(crate) estimation: Option<Estimation>,
+    /// Whether the step states another plant file, from which fits start; absent in files of earlier versions.
+    #[serde(default)]
+    pub(crate) is_restated: bool,
 }
 
 /// Effect with its values.
@@ -111,6 +120,7 @@ impl History {
                 errors: Vec::new(),
                 fit: None,
                 estimation: None,
+                is_restated: false,
             }],
             at: 0,
         })
@@ -138,11 +148,17 @@ impl History {
         &self.steps[0]
     }
 
-    /// Returns the plant that effects are fitted on: the last estimated one, or the one as opened.
+    /// Returns the plant that effects are fitted on: the last estimated or restated one, or the one as opened.
     pub(crate) fn base(&self) -> &Step {
         let until_now = self.steps[..=self.at].iter().rev();
-        let mut estimated = until_now.filter(|step| step.estimation.is_some());
-        estimated.next().unwrap_or_else(|| self.first())
+        let mut bases = until_now.filter(|step| step.estimation.is_some() || step.is_restated);
+        bases.next().unwrap_or_else(|| self.first())
+    }
+
+    /// Returns the last estimation up to the current step.
+    pub(crate) fn estimation(&self) -> Option<&Estimation> {
+        let until_now = self.steps[..=self.at].iter().rev();
+        until_now.filter_map(|step| step.estimation.as_ref()).next()
     }
 
     /// Returns the current step.
@@ -167,6 +183,24 @@ impl History {
         self.at = self.steps.len() - 1;
     }
 
+    /// Goes back by one step.
+    pub(crate) fn undo(&mut self) -> Result<(), Refusal> {
+        let before = self.at.checked_sub(1);
+        self.go_to(before.ok_or_else(|| {
+            Refusal::too_early("there is nothing to undo; this is the plant as opened")
+        })?)
+    }
+
+    /// Goes forward by one step that was undone.
+    pub(crate) fn redo(&mut self) -> Result<(), Refusal> {
+        if self.at + 1 == self.steps.len() {
+            return Err(Refusal::too_early(
+                "there is nothing to redo; this is the last step",
+            ));
+        }
+        self.go_to(self.at + 1)
+    }
+
     /// Goes to a step.
     pub(crate) fn go_to(&mut self, step: usize) -> Result<(), Refusal> {
         if step >= self.steps.len() {
@@ -181,6 +215,33 @@ impl History {
 }
 
 impl Step {
+    /// Returns a step to `plant`; a plant that equals the one as opened is that file again.
+    pub(crate) fn to(
+        plant: &PlantParameters,
+        done: String,
+        effects: Vec<StepEffect>,
+        first: &Self,
+    ) -> Result<Self, Refusal> {
+        let plant = if *plant == first.plant.parameters()? {
+            first.plant.clone()
+        } else {
+            PlantFile {
+                name: REFINED.to_owned(),
+                toml: plant.to_toml(),
+            }
+        };
+        Ok(Self {
+            done,
+            plant,
+            effects,
+            log: String::new(),
+            errors: Vec::new(),
+            fit: None,
+            estimation: None,
+            is_restated: false,
+        })
+    }
+
     pub(crate) fn effect(&self, id: &str) -> Option<&StepEffect> {
         self.effects.iter().find(|effect| effect.effect == id)
     }
@@ -203,6 +264,14 @@ impl StepEffect {
             inside.is_some_and(|(value, fitted)| (fitted.low..=fitted.high).contains(&value))
         };
         self.is_on && self.parameters.iter().all(is_inside)
+    }
+
+    /// Returns whether the effect has the form and the values of `setting`.
+    pub(crate) fn has_values_of(&self, setting: &EffectSetting) -> bool {
+        let values = setting.values().iter();
+        let values = values.map(|value| value.is_finite().then_some(*value));
+        let own = self.parameters.iter().map(|parameter| parameter.value);
+        self.variant == setting.variant().name && own.eq(values)
     }
 
     /// Returns an effect of a plant, with the fitted values of its parameters.

@@ -28,12 +28,22 @@ pub(crate) enum Progress {
         stage: Option<&'static str>,
         /// Completed share of the stage, 0 to 1.
         share: f64,
+        /// Error of the model so far; `None` if the stage reports none.
+        error: Option<ErrorSeen>,
     },
     Done,
     Cancelled,
     Failed {
         problems: Vec<Problem>,
     },
+}
+
+/// Error of the signal that the model explains worst while it is estimated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct ErrorSeen {
+    signal: &'static str,
+    /// Rms over the noise floor.
+    floors: f64,
 }
 
 /// Time for which a job runs at most.
@@ -61,6 +71,7 @@ impl Job {
             progress: watch::Sender::new(Progress::Running {
                 stage: None,
                 share: 0.0,
+                error: None,
             }),
         }
     }
@@ -111,14 +122,18 @@ impl Job {
 
     /// Reports the progress (0 to 1), and returns whether to continue.
     pub(crate) fn goes_on(&self, share: f64) -> bool {
-        self.report(None, share);
+        self.report(None, share, None);
         !self.is_cancelled()
     }
 
     /// Reports the progress of a diagnosis, which has stages and reports from several threads, and returns whether to
     /// continue.
     pub(crate) fn watch(&self, seen: diagnosis::Progress) -> ControlFlow<()> {
-        self.report(Some(seen.stage), seen.done);
+        let error = seen.error.map(|error| ErrorSeen {
+            signal: error.signal,
+            floors: error.floors,
+        });
+        self.report(Some(seen.stage), seen.done, error);
         if self.is_cancelled() {
             ControlFlow::Break(())
         } else {
@@ -126,19 +141,24 @@ impl Job {
         }
     }
 
-    fn report(&self, stage: Option<&'static str>, share: f64) {
+    fn report(&self, stage: Option<&'static str>, share: f64, error: Option<ErrorSeen>) {
         let step = |share: f64| (share * STEPS) as u64;
         self.progress.send_if_modified(|progress| {
             let Progress::Running {
                 stage: last,
                 share: before,
+                error: last_error,
             } = progress
             else {
                 return false;
             };
-            let is_news = *last != stage || step(*before) != step(share);
+            let is_news = *last != stage || step(*before) != step(share) || *last_error != error;
             if is_news {
-                *progress = Progress::Running { stage, share };
+                *progress = Progress::Running {
+                    stage,
+                    share,
+                    error,
+                };
             }
             is_news
         });

@@ -10,7 +10,7 @@ use hil_harness::reference_profile::ProfileError;
 use hil_harness::rigs::RigError;
 use hil_harness::scenario::ScenarioError;
 use model_lab::CompareError;
-use model_lab::diagnosis::DiagnoseError;
+use model_lab::diagnosis::{DiagnoseError, KnowledgeError};
 use plant_sim::ParameterError;
 use recording::LogError;
 use recording::csv::{CsvError, MappingError};
@@ -90,6 +90,14 @@ impl Refusal {
             "E-WEB-BROKEN-OFF",
             "the upload broke off; drop the file again",
         )
+    }
+
+    /// Returns the refusal of a text with `count` lines that is a part of a file; problems in the rest have no line.
+    pub(crate) fn with_lines_up_to(mut self, count: u64) -> Self {
+        for problem in &mut self.problems {
+            problem.line = problem.line.filter(|line| *line <= count);
+        }
+        self
     }
 
     fn of(problems: Vec<Problem>) -> Self {
@@ -203,6 +211,7 @@ macro_rules! refusals {
 }
 
 refusals! {
+    KnowledgeError => "E-PLANT",
     ProfileError => "E-REFERENCE",
     ScenarioError => "E-SCENARIO",
     RunError => "E-LOOP",

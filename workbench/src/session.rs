@@ -130,7 +130,7 @@ impl LoadedLog {
     }
 
     /// Returns the conditions under which the log was made, determined once for each `base`. `base` is the plant as
-    /// opened or as estimated: adding an effect or moving a slider does not change the clock.
+    /// opened, stated or estimated: adding an effect or moving a slider does not change the clock.
     pub(crate) fn conditions(&self, base: &PlantFile) -> Result<LogConditions, Refusal> {
         let mut known = lock(&self.conditions);
         if let Some((_, conditions)) = known.iter().find(|(plant, _)| plant == base) {

@@ -32,6 +32,11 @@ pub(crate) enum Failure {
     },
     #[error("`{line}` could not be watched: {source}")]
     Watch { line: String, source: io::Error },
+    #[error("{}: its SHA-512 is not {expected}; delete it and try again", .path.display())]
+    NotGenuine {
+        path: PathBuf,
+        expected: &'static str,
+    },
     #[error("{}: {source}", .path.display())]
     File { path: PathBuf, source: io::Error },
     #[error("the self-test's output on {machine}, {source}")]

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::report::Report;
 use crate::tests::Which;
 use crate::workspace::{cargo, commit_number, entries, find_program, root, target_dir};
-use crate::{packages, process, tests};
+use crate::{axe, packages, process, tests};
 
 /// Timeout of one cargo command. A cold build of everything takes some minutes on two cores.
 const DEADLINE: Duration = Duration::from_secs(1500);
@@ -25,6 +25,7 @@ pub(crate) fn setup(report: &mut Report) {
         component("clippy", "clippy")
     });
     report.step("Chromium and its driver", browser_ready);
+    report.step("axe-core", axe::ready);
 }
 
 /// Formats every file.
@@ -91,6 +92,7 @@ pub(crate) fn test(report: &mut Report, every_rig: bool) {
     });
     report.step("the page in a browser", || {
         browser_ready()?;
+        axe::ready()?;
         tests::run(Which::Browser)
     });
     report.step("examples", examples);

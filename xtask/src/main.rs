@@ -5,6 +5,7 @@
 //! [`report`]), and the calls of the tests ([`tests`]).
 
 mod arm;
+mod axe;
 mod blind;
 mod budgets;
 mod coverage;

@@ -51,6 +51,52 @@ pub enum KnowledgeError {
         /// Unit of the parameter.
         unit: &'static str,
     },
+    /// The tolerance is negative or not finite.
+    #[error("`{name}`: a tolerance of {width} is none; state 0 or more")]
+    Tolerance {
+        /// Name of the parameter.
+        name: String,
+        /// Tolerance that was given, % or in the unit of the parameter.
+        width: f64,
+    },
+}
+
+/// States in `plant` how well the value of the parameter `name` is known; without `knowledge`, it becomes a bare value. A value outside of a
+/// range moves to its nearer end.
+///
+/// # Errors
+/// [`KnowledgeError`]; the plant is then unchanged.
+pub fn state(
+    plant: &mut PlantParameters,
+    name: &str,
+    knowledge: Option<Knowledge>,
+) -> Result<(), KnowledgeError> {
+    if plant.get(name).is_none() {
+        return Err(unknown(name));
+    }
+    match knowledge {
+        None => {
+            plant.knowledge.remove(name);
+        }
+        Some(Knowledge::Range(low, high)) => return free_within(plant, name, low, high),
+        Some(Knowledge::TolerancePct(width) | Knowledge::Tolerance(width))
+            if !(width >= 0.0 && width.is_finite()) =>
+        {
+            let name = name.to_owned();
+            return Err(KnowledgeError::Tolerance { name, width });
+        }
+        Some(knowledge) => {
+            plant.knowledge.insert(name.to_owned(), knowledge);
+        }
+    }
+    Ok(())
+}
+
+fn unknown(name: &str) -> KnowledgeError {
+    KnowledgeError::Unknown {
+        name: name.to_owned(),
+        example: "chamber.volume_m3",
+    }
 }
 
 /// Frees `what` in fits: a parameter `section.key`, the ordinary parameters of a table such as `coil`, or `all` ordinary parameters. They
@@ -154,10 +200,7 @@ pub(super) fn named(plant: &PlantParameters, what: &str) -> Result<Vec<String>, 
         .map(str::to_owned)
         .collect();
     if names.is_empty() {
-        return Err(KnowledgeError::Unknown {
-            name: what.to_owned(),
-            example: "chamber.volume_m3",
-        });
+        return Err(unknown(what));
     }
     Ok(names)
 }
@@ -208,5 +251,48 @@ mod tests {
         let empty = refused("chamber.volume_m3", Some((2e-6, 1e-6)));
         assert!(empty.contains("in 0.0000001 to 1 m3"), "{empty}");
         assert_eq!(plant, PlantParameters::nominal());
+    }
+
+    #[test]
+    fn a_statement_is_made_replaced_and_taken_back() {
+        let mut plant = PlantParameters::nominal();
+        let volume = "chamber.volume_m3";
+        for knowledge in [
+            Knowledge::Exact,
+            Knowledge::TolerancePct(5.0),
+            Knowledge::Range(6e-5, 9e-5),
+            Knowledge::Unknown,
+        ] {
+            state(&mut plant, volume, Some(knowledge)).unwrap();
+            assert_eq!(plant.knowledge.get(volume), Some(&knowledge));
+        }
+        state(&mut plant, volume, None).unwrap();
+        assert_eq!(plant, PlantParameters::nominal());
+        for (name, knowledge, says) in [
+            (
+                "chamber.volume",
+                Knowledge::Exact,
+                "no parameter or table `chamber.volume`",
+            ),
+            (
+                volume,
+                Knowledge::Range(9e-5, 6e-5),
+                "the lower end comes first",
+            ),
+            (
+                volume,
+                Knowledge::TolerancePct(-5.0),
+                "a tolerance of -5 is none",
+            ),
+            (
+                volume,
+                Knowledge::TolerancePct(f64::NAN),
+                "a tolerance of NaN is none",
+            ),
+        ] {
+            let refused = state(&mut plant, name, Some(knowledge)).unwrap_err();
+            assert!(refused.to_string().contains(says), "{refused}");
+            assert_eq!(plant, PlantParameters::nominal());
+        }
     }
 }

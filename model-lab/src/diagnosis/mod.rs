@@ -44,12 +44,12 @@ pub use estimation::{
     Determination, ESTIMATION_SCHEMA, EstimatedParameter, EstimatedPlant, Estimation, estimate,
 };
 pub(crate) use fit::logger_time::conditions_of;
-pub use knowledge::{KnowledgeError, fix, free};
+pub use knowledge::{KnowledgeError, fix, free, state};
 pub use known::{Known, asking_plant_file, known};
 pub use refine::{FittedEffect, REFINEMENT_SCHEMA, Refined, Refinement};
 pub use remaining::{MissingFlow, WithMissingFlow};
 pub use result::Diagnosis;
-pub use search::{Progress, Watch};
+pub use search::{Progress, Watch, WorstError};
 
 use fit::gather::gather;
 use fit::trial::Bench;

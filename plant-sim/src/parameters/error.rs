@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::edited_tables::edited;
 use super::names::{CHAMBER, VALVES};
 use super::parts::Part;
 use super::table::sections;
@@ -21,6 +22,8 @@ pub enum Problem {
     Unreadable(Unreadable),
     /// The table does not exist.
     UnknownSection { line: usize, section: String },
+    /// The table is not one of those that are edited as a text of their own.
+    NotEdited { line: usize, section: String },
     /// The effect does not exist; `nearest` is the name that was probably meant.
     UnknownEffect {
         line: usize,
@@ -103,6 +106,7 @@ impl Problem {
         match self {
             Self::Unreadable(unreadable) => unreadable.line(),
             Self::UnknownSection { line, .. }
+            | Self::NotEdited { line, .. }
             | Self::UnknownKey { line, .. }
             | Self::UnknownEffect { line, .. }
             | Self::UnknownVariant { line, .. }
@@ -136,6 +140,11 @@ impl fmt::Display for Problem {
                 f,
                 "unknown table [{section}]; a plant file has the tables {}",
                 sections().join(", ")
+            ),
+            Self::NotEdited { section, .. } => write!(
+                f,
+                "`[{section}]` is not edited here; write only {}",
+                edited().join(", ")
             ),
             Self::UnknownEffect { id, nearest, .. } => {
                 write!(f, "unknown effect [effects.{id}]")?;

@@ -7,6 +7,7 @@ mod access;
 mod build;
 mod consistency;
 mod datasheet;
+mod edited_tables;
 mod error;
 mod knowledge;
 mod names;

@@ -45,6 +45,9 @@ pub(super) const SENSOR_PLACES: [(&str, SensorPlace); 2] = [
     ("chamber", SensorPlace::Chamber),
 ];
 
+/// Tables of on/off valves.
+pub(super) const ON_OFF: [&str; 2] = ["on_off_fill", "on_off_vent"];
+
 /// Tables of proportional valves, and their key with the part that lags, in words.
 pub(super) const PROPORTIONAL: [&str; 2] = ["proportional_fill", "proportional_vent"];
 pub(super) const LAG_OF: &str = "lag_of";

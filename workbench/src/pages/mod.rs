@@ -3,8 +3,10 @@
 pub(crate) mod compare;
 pub(crate) mod control;
 pub(crate) mod diagnose;
+mod estimate;
 mod experiment_limits;
 mod logs;
+mod plant_steps;
 mod points;
 pub(crate) mod refine;
 mod report;
@@ -39,6 +41,7 @@ pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
         .route("/sessions/{session}/jobs/{job}", get(events))
         .merge(logs::routes())
         .merge(compare::routes())
+        .merge(estimate::routes())
         .merge(diagnose::routes())
         .merge(refine::routes())
         .merge(control::routes())

@@ -14,6 +14,9 @@ export class Refusal extends Error {
   }
 }
 
+/** Returns the refusal of a server that has ended. */
+export const noAnswer = () => new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer; start `retarder serve` again" }]);
+
 let session = null;
 
 /** Calls this when the server does not answer (`E-PAGE-SERVER`) or does not know this browser. */
@@ -36,7 +39,7 @@ async function request(method, path, body, signal) {
   } catch (error) {
     if (error.name === "AbortError") throw error;
     onLost("gone");
-    throw new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer; start `retarder serve` again" }]);
+    throw noAnswer();
   }
   const text = await response.text();
   const isJson = (response.headers.get("content-type") ?? "").startsWith("application/json");
@@ -91,7 +94,8 @@ export const address = (path) => `/api${inSession(path)}`;
 export const upload = (file) => request("POST", inSession(`/logs?${new URLSearchParams({ name: file.name })}`), file);
 
 /**
- * Follows a job to its end. `onProgress` gets the completed share (0 to 1), and the stage if the job has stages.
+ * Follows a job to its end. `onProgress` gets the completed share (0 to 1), the stage if the job has stages, and the
+ * error of the model if the stage reports one.
  * Aborting the signal ends the job.
  */
 export function follow(job, onProgress, signal) {
@@ -103,7 +107,7 @@ export function follow(job, onProgress, signal) {
     events.onerror = () => end(() => reject(new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer" }])));
     events.onmessage = (event) => {
       const progress = JSON.parse(event.data);
-      if (progress.state === "running") onProgress(progress.share, progress.stage);
+      if (progress.state === "running") onProgress(progress.share, progress.stage, progress.error);
       else if (progress.state === "done") end(resolve);
       else if (progress.state === "cancelled") end(() => reject(new DOMException("cancelled", "AbortError")));
       else end(() => reject(new Refusal(422, progress.problems)));

@@ -32,6 +32,21 @@ export function table(head, rows, classes) {
       row.map((cell, index) => index === 0 ? element("th", { scope: "row" }, cell) : element("td", {}, cell))))));
 }
 
+/** Lets keys scroll a part that is wider than its place: only then it takes the focus. */
+const overflows = new ResizeObserver((parts) => {
+  for (const { target } of parts) {
+    if (target.scrollWidth > target.clientWidth) target.tabIndex = 0;
+    else target.removeAttribute("tabindex");
+  }
+});
+
+/** Creates a part that scrolls sideways where its children are wider, with a name for screen readers. */
+export function scrolling(label, ...children) {
+  const part = element("div", { class: "scroll", role: "region", "aria-label": label }, ...children);
+  overflows.observe(part);
+  return part;
+}
+
 /** Creates a button. */
 export function button(label, act, properties = {}) {
   return element("button", { type: "button", on: { click: act }, ...properties }, label);

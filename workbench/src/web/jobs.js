@@ -18,14 +18,15 @@ export const runningAt = (paths) => running && paths.includes(running.path) ? ru
 
 /**
  * Begins a job by a request; null if another one runs. `ended` of the job resolves to whether it was completed, and
- * `watchers` is the number of pages that show its result by themselves.
+ * `watchers` is the number of pages that show its result by themselves. `errors` lists the reported errors of the model,
+ * each with its time since the begin (s); `onError` is called after each.
  */
 export function begin(what, path, request) {
   if (running) {
     showMessage(`${running.what} is running. Wait for its end, or stop it.`);
     return null;
   }
-  const job = { what, path, page: view.page(), watchers: 0 };
+  const job = { what, path, page: view.page(), watchers: 0, errors: [], onError: null };
   running = job;
   job.ended = follow(job, request);
   return job;
@@ -41,10 +42,13 @@ async function follow(job, request) {
   let isCutOff = false;
   try {
     const begun = await api.post(job.path, request);
-    await api.follow(begun.job, (share, stage) => {
+    await api.follow(begun.job, (share, stage, error) => {
       progress.value = share;
-      const seconds = Math.round((performance.now() - begin) / 1000);
-      words.textContent = `${job.what}${stage ? `: ${stage}` : ""}, ${percent(share)}, ${seconds} s`;
+      const seconds = (performance.now() - begin) / 1000;
+      words.textContent = `${job.what}${stage ? `: ${stage}` : ""}, ${percent(share)}, ${Math.round(seconds)} s`;
+      if (!error) return;
+      job.errors.push({ seconds, ...error });
+      job.onError?.();
     }, stop.signal);
     hide();
     if (job.watchers === 0) showEnd(job);

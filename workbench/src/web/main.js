@@ -6,18 +6,11 @@ import { element, fill, forgetProblems, showMessage } from "./dom.js";
 import { showInterrupted } from "./jobs.js";
 import * as theme from "./theme.js";
 import * as view from "./view.js";
-import * as logs from "./pages/logs.js";
-import * as compare from "./pages/compare.js";
-import * as diagnose from "./pages/diagnose.js";
-import * as refine from "./pages/refine.js";
-import * as control from "./pages/control.js";
-import * as report from "./pages/report.js";
 
-/**
- * Pages by name. A page has a `title`, `load`, which requests its data, and `show(place, data)`, which returns its
- * handlers `begin`, `leave` and `redraw`. `begin` does the rest; it returns false if it failed.
- */
-const PAGES = { logs, compare, diagnose, refine, control, report };
+/** Titles of the pages by name, in the order of the work. */
+const PAGES = {
+  logs: "Logs and plant", compare: "Compare", estimate: "Estimate", diagnose: "Diagnose", refine: "Refine", control: "Control", report: "Report",
+};
 const KEY = "project";
 
 const place = document.getElementById("page");
@@ -26,11 +19,30 @@ let shown = null;
 let turns = 0;
 
 function tabs() {
-  fill(document.getElementById("tabs"), Object.entries(PAGES).map(([name, page]) => element("a", {
+  fill(document.getElementById("tabs"), Object.entries(PAGES).map(([name, title]) => element("a", {
     href: `#/${name}?project=${view.text("project") ?? ""}`,
     "aria-current": name === view.page() ? "page" : undefined,
     on: { click: (event) => { event.preventDefault(); view.go(name); } },
-  }, page.title)));
+  }, title)));
+}
+
+/** Number of failed loads of each page: a browser never requests a module that failed again, except by another address. */
+const failures = new Map();
+
+/**
+ * Loads the module of a page when it is first shown, so that the first page comes sooner. A page has `load`, which
+ * requests its data, and `show(place, data)`, which returns its handlers `begin`, `leave` and `redraw`. `begin` does the
+ * rest; it returns false if it failed.
+ */
+async function moduleOf(name) {
+  const failed = failures.get(name) ?? 0;
+  try {
+    return await import(`./pages/${name}.js${failed > 0 ? `?try=${failed}` : ""}`);
+  } catch (error) {
+    failures.set(name, failed + 1);
+    // A browser says no more about a module that it did not get.
+    throw await api.presence() === "there" ? error : api.noAnswer();
+  }
 }
 
 async function show() {
@@ -58,12 +70,12 @@ async function showPage(isCurrent) {
     await begin();
   }
   const name = Object.hasOwn(PAGES, view.page()) ? view.page() : "logs";
-  const page = PAGES[name];
   tabs();
-  document.title = `${page.title} – Retarder workbench`;
+  document.title = `${PAGES[name]} – Retarder workbench`;
   // Each has a place of its own: what a page that was left still fills is not seen.
   const own = element("div", { class: "page" });
   fill(place, own);
+  const page = await moduleOf(name);
   const data = await page.load();
   if (!isCurrent()) return;
   shown = page.show(own, data);

@@ -6,7 +6,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use fantoccini::actions::{InputSource, MOUSE_BUTTON_LEFT, MouseActions, PointerAction};
+use fantoccini::actions::{
+    InputSource, KeyAction, KeyActions, MOUSE_BUTTON_LEFT, MouseActions, PointerAction,
+};
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
@@ -251,6 +253,15 @@ impl Person {
             vec![json!(selector), json!(key)],
         )
         .await;
+    }
+
+    /// Presses and releases a key of the keyboard, a code of WebDriver for one without a character.
+    pub(crate) async fn type_key(&self, key: &str) {
+        let value = key.chars().next().unwrap();
+        let keys = KeyActions::new("keyboard".into())
+            .then(KeyAction::Down { value })
+            .then(KeyAction::Up { value });
+        self.client.perform_actions(keys).await.unwrap();
     }
 
     /// Drops files onto the page, as a file manager does.

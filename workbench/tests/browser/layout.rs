@@ -7,7 +7,7 @@ use crate::driver::{Person, with_browser};
 const SIZES: [(u32, u32); 3] = [(1920, 1080), (1280, 800), (800, 600)];
 
 /// Sets the size of the page, which the window's own bars do not belong to.
-async fn set_page_size(person: &Person, (width, height): (u32, u32)) {
+pub(crate) async fn set_page_size(person: &Person, (width, height): (u32, u32)) {
     let bars = "return [outerWidth - innerWidth, outerHeight - innerHeight]";
     person.client.set_window_size(width, height).await.unwrap();
     let bars: (u32, u32) = serde_json::from_value(person.run(bars).await).unwrap();

@@ -2,11 +2,13 @@
 //!
 //! Images are saved in the target folder, under `tmp/`.
 
+mod accessibility;
 mod alignment;
 mod closer;
 mod compare;
 mod control;
 mod driver;
+mod estimate;
 mod figures;
 mod history;
 mod hostile;

@@ -81,3 +81,30 @@ fn an_open_tab_says_that_its_server_has_ended_and_continues_with_the_new_address
         person.assert_nothing_was_refused().await;
     });
 }
+
+/// A page loads its modules when it is first shown: one that was opened while the server was gone is shown after the restart.
+#[test]
+fn a_page_that_was_first_opened_without_a_server_is_shown_after_the_restart() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.stop_the_server();
+        person.click("nav a[href^='#/refine']").await;
+        person.until(NOTICE).await;
+        person
+            .until("document.getElementById('page').textContent.includes('start `retarder serve` again')")
+            .await;
+        let address = person.start_another_server().await;
+        person
+            .until(
+                "document.getElementById('connection').textContent.includes('was started again')",
+            )
+            .await;
+        paste(person, &address).await;
+        person
+            .until("document.body.dataset.ready === 'refine'")
+            .await;
+    });
+}

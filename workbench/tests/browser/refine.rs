@@ -4,15 +4,16 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
+use crate::accessibility::assert_accessible;
 use crate::driver::{Person, with_browser};
 
 /// A diagnosis takes a thousand simulations, in the tests' profile and beside other tests.
-const DIAGNOSIS: Duration = Duration::from_secs(600);
+pub(crate) const DIAGNOSIS: Duration = Duration::from_secs(600);
 
 /// Last bar of the pressure: its error in multiples of the noise.
-const LAST_BAR: &str = "Number([...document.querySelectorAll('#error-steps .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
+pub(crate) const LAST_BAR: &str = "Number([...document.querySelectorAll('#error-steps .bar-row[data-signal=p_ch]')].at(-1).dataset.times)";
 
-async fn last_bar(person: &Person) -> f64 {
+pub(crate) async fn last_bar(person: &Person) -> f64 {
     person
         .run(&format!("return {LAST_BAR}"))
         .await
@@ -85,6 +86,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
                 .starts_with("Next: add the effect to the plant.")
         );
         person.picture("diagnose").await;
+        assert_accessible(person).await;
 
         // A page that is loaded again first closes its session: its findings are kept.
         person.client.refresh().await.unwrap();
@@ -220,80 +222,7 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
             .until("document.querySelector('#verdict .stale')")
             .await;
         person.picture("diagnose-dark").await;
-        person.assert_nothing_was_refused().await;
-    });
-}
-
-#[test]
-fn the_ordinary_values_are_estimated_and_the_table_says_how_well() {
-    with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
-        person.click("nav a[href^='#/refine']").await;
-        person
-            .until("document.body.dataset.ready === 'refine'")
-            .await;
-        person.click("#estimate").await;
-        person
-            .until_within(
-                DIAGNOSIS,
-                "document.querySelectorAll('#estimated tbody tr').length > 10",
-            )
-            .await;
-        let table = person.text("#estimated").await;
-        for part in [
-            "flow.discharge_fill",
-            "armature.preload_vent_n",
-            "only with",
-        ] {
-            assert!(table.contains(part), "{part}: {table}");
-        }
-        person
-            .until("document.querySelector('#error-steps .rung:nth-of-type(2) h3')?.textContent === 'ordinary parameters refitted'")
-            .await;
-        // The axis is logarithmic: two errors in a ratio are as far apart anywhere.
-        let widths: Vec<(f64, f64)> = serde_json::from_value(person.run(
-            "return [...document.querySelectorAll('#error-steps .bar-row[data-times]')].map((row) => \
-             [Number(row.dataset.times), parseFloat(row.querySelector('.fill').style.width)]).filter(([times]) => times > 0.5)",
-        ).await).unwrap();
-        let (first, second) = (widths[0], widths[widths.len() - 1]);
-        let slope = (first.1 - second.1) / (first.0 / second.0).ln();
-        for (times, width) in &widths {
-            let expected = second.1 + slope * (times / second.0).ln();
-            assert!((width - expected).abs() < 0.1, "{widths:?}");
-        }
-
-        // One refitted value is switched back, and the error follows.
-        let last = last_bar(person).await;
-        let switch = "document.querySelector(\"[data-refitted='flow.discharge_fill']\").click()";
-        person.run(switch).await;
-        person
-            .until(&format!("Math.abs({LAST_BAR} - {last}) > 0.001 * {last}"))
-            .await;
-        let step = person.text("#steps [aria-current]").await;
-        assert!(
-            step.contains("flow.discharge_fill") && step.contains("as opened"),
-            "{step}"
-        );
-        person.picture("refitted").await;
-        person.click("#undo").await;
-        person
-            .until(&format!("Math.abs({LAST_BAR} - {last}) < 1e-9"))
-            .await;
-        person.picture("estimate").await;
-        person.picture_of("#estimated", "estimated").await;
-        person.click("#plan-determining").await;
-        person
-            .until_within(
-                DIAGNOSIS,
-                "document.querySelector('#determining-plot .main-svg')",
-            )
-            .await;
-        let answer = person.text("#determining").await;
-        assert!(answer.contains("Duty cycles as CSV"), "{answer}");
-        person.picture("determining").await;
+        assert_accessible(person).await;
         person.assert_nothing_was_refused().await;
     });
 }

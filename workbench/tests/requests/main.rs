@@ -19,6 +19,7 @@ mod bench;
 mod compare;
 mod control;
 mod diagnose;
+mod estimate;
 mod guard;
 mod loads;
 mod logs;

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::bench::{Bench, Browser};
 use crate::diagnose::{leaking, with_leaking_log};
 
-fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
+pub(crate) fn change(browser: &Browser<'_>, session: &str, change: Value) -> Value {
     let request = json!({"log": 1, "change": change});
     let answer = browser.post(&format!("{session}/refine/change"), &request);
     assert_eq!(answer.status, 200, "{request}: {answer:?}");
@@ -22,7 +22,7 @@ fn pressure_in_noise(errors: &Value) -> f64 {
     pressure["rms"].as_f64().unwrap() / pressure["noise_floor"].as_f64().unwrap()
 }
 
-fn plant(browser: &Browser<'_>, session: &str) -> String {
+pub(crate) fn plant(browser: &Browser<'_>, session: &str) -> String {
     browser.get(&format!("{session}/refine/plant")).text()
 }
 
@@ -237,36 +237,6 @@ fn a_fit_is_a_step_with_intervals_and_a_falling_error() {
     );
 }
 
-/// Checks that an experiment can be planned for the estimated plant of `session`, and that it is gone with this plant.
-fn an_experiment_determines_its_parameters(browser: &Browser, session: &str) {
-    let path = format!("{session}/refine/experiment");
-    assert_eq!(browser.get(&path).json(), Value::Null);
-    assert_eq!(browser.get(&format!("{path}/csv")).status, 409);
-    let mut request = json!({"log": 1, "logs": [1], "check": [], "limits": {"duration_s": 700.0, "max_bar": null, "max_duty_pct": 100.0}});
-    let refused = browser.post(&path, &request).text();
-    assert!(
-        refused.contains("700 s (above 0, at most 600 s)"),
-        "{refused}"
-    );
-    request["limits"]["duration_s"] = json!(10.0);
-    let events = browser.work(session, &path, &request);
-    assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
-    let next = browser.get(&path).json();
-    assert_eq!(next["schema"], "retarder.determining-experiment/2");
-    assert!(next["parameters"].as_array().unwrap().len() > 10, "{next}");
-    let csv = browser.get(&format!("{path}/csv")).text();
-    assert!(
-        csv.starts_with("time_s,duty_fill_pct,duty_vent_pct\n0.00,"),
-        "{csv:.80}"
-    );
-    change(browser, session, json!("undo"));
-    assert_eq!(browser.get(&path).json(), Value::Null);
-    let early = browser.post(&path, &request).text();
-    assert!(early.contains("estimate them first"), "{early}");
-    change(browser, session, json!("redo"));
-    assert_eq!(browser.get(&path).json(), next);
-}
-
 /// Goal: the change of the ordinary parameters by an estimation is a step of its own, and the effect is credited with
 /// the rest only.
 #[test]
@@ -275,22 +245,15 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 10.0);
     let request = json!({"log": 1, "logs": [1], "check": []});
-    let events = browser.work(&session, &format!("{session}/refine/estimate"), &request);
+    let events = browser.work(&session, &format!("{session}/estimate/run"), &request);
     assert_eq!(events.last().unwrap()["state"], "done", "{events:?}");
     let estimated = browser.get(&format!("{session}/refine?log=1")).json();
     assert_eq!(
         estimated["steps"][1]["done"],
         "estimated the ordinary parameters from bench.csv"
     );
-    let names = estimated["estimation"]["parameters"].as_array().unwrap();
-    assert!(
-        names.iter().any(|one| one["name"] == "flow.discharge_fill"),
-        "{names:?}"
-    );
     let toml = plant(&browser, &session);
     assert!(toml.contains("chamber"), "{toml}");
-    an_experiment_determines_its_parameters(&browser, &session);
-
     change(
         &browser,
         &session,
@@ -320,17 +283,18 @@ fn an_estimation_is_a_step_that_effects_are_fitted_on() {
     };
     let before = format!("was {}", mass(&toml));
     assert!(plant(&browser, &session).contains(&before), "{before}");
-    let undone = change(
+    change(
         &browser,
         &session,
         json!({"remove": {"effect": "chamber_leak"}}),
     );
-    assert!(undone["estimation"].is_object());
+    let estimation =
+        || browser.get(&format!("{session}/estimate?log=1")).json()["estimation"].clone();
+    assert!(estimation().is_object());
     for _ in 0..4 {
         change(&browser, &session, json!("undo"));
     }
-    let opened = browser.get(&format!("{session}/refine?log=1")).json();
-    assert_eq!(opened["estimation"], Value::Null);
+    assert_eq!(estimation(), Value::Null);
 }
 
 /// Off, a parameter has its value as opened; on again, the one of the refit. Both switches are undone.

@@ -18,8 +18,14 @@ const MAKES_UP: f64 = 0.5;
 /// Distance from a bound, in coordinates, within which a parameter counts as at its limit.
 const AT_LIMIT: f64 = 1e-6;
 
-/// Returns the parameters of `trial`, whose Jacobian is accurate, with the determination of each by `evidence`.
-pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<EstimatedParameter> {
+/// Steps of a correlation in the result: finer ones differ between machines.
+const CORRELATION_STEPS: f64 = 1e3;
+
+/// Returns the parameters of `trial`, whose Jacobian is accurate, with the determination of each by `evidence`, and their correlations.
+pub(super) fn estimated_parameters(
+    evidence: &Evidence,
+    trial: &Trial,
+) -> (Vec<EstimatedParameter>, Vec<Vec<f64>>) {
     let mut distances = profile::distances(evidence, trial, &half_widths(evidence, trial));
     for (unknown, ends) in trial.unknowns.list().iter().zip(&mut distances) {
         *ends = ends.map(|end| between_programs(unknown, end));
@@ -66,6 +72,7 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
             after: value_at(z),
             low: low.min(high),
             high: high.max(low),
+            within: within(unknown),
             determined_by: (determination != Determination::Determined)
                 .then(|| unknown.determined_by())
                 .flatten(),
@@ -78,7 +85,39 @@ pub(super) fn estimated_parameters(evidence: &Evidence, trial: &Trial) -> Vec<Es
             determination,
         })
     });
-    parameters.collect()
+    let parameters = parameters.collect();
+    let correlations = covariance.map_or_else(Vec::new, |covariance| {
+        correlations(&trial.unknowns, &covariance)
+    });
+    (parameters, correlations)
+}
+
+/// Returns the least and the largest value of a fit; none where one of them is infinite.
+fn within(unknown: &Unknown) -> Option<[f64; 2]> {
+    let (least, most) = unknown.bounds();
+    let (one, other) = (unknown.value(least), unknown.value(most));
+    (one.is_finite() && other.is_finite()).then(|| [one.min(other), one.max(other)])
+}
+
+/// Returns the correlations between the parameters of the plant and its effects; those with the conditions of a log are left out.
+fn correlations(unknowns: &Unknowns, covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let list = unknowns.list().iter().enumerate();
+    let listed: Vec<usize> = list
+        .filter(|(_, unknown)| !matches!(unknown, Unknown::Log(_)))
+        .map(|(n, _)| n)
+        .collect();
+    let rounded = |value: f64| (value * CORRELATION_STEPS).round() / CORRELATION_STEPS;
+    let row = |&n: &usize| {
+        let each = listed
+            .iter()
+            .map(|&m| rounded(correlation(covariance, n, m)));
+        each.collect()
+    };
+    listed.iter().map(row).collect()
+}
+
+fn correlation(covariance: &DMatrix<f64>, n: usize, m: usize) -> f64 {
+    covariance[(n, m)] / (covariance[(n, n)] * covariance[(m, m)]).sqrt()
 }
 
 /// Returns the names of the parameters whose errors are correlated with those of parameter `n`, the closest first.
@@ -86,10 +125,7 @@ fn partners(unknowns: &Unknowns, covariance: Option<&DMatrix<f64>>, n: usize) ->
     let Some(covariance) = covariance else {
         return Vec::new();
     };
-    let correlation = |m: usize| {
-        let scale = (covariance[(n, n)] * covariance[(m, m)]).sqrt();
-        (covariance[(n, m)] / scale).abs()
-    };
+    let correlation = |m: usize| correlation(covariance, n, m).abs();
     let mut partners: Vec<(f64, String)> = unknowns
         .list()
         .iter()

@@ -31,7 +31,7 @@ use super::knowledge::state_first_file;
 use super::refine::with_provenance;
 use super::result::StepKind;
 use super::search::assemble;
-use super::search::{Watch, report};
+use super::search::{Watch, report, report_error};
 pub(super) use determination::DETERMINED;
 use determination::estimated_parameters;
 pub(super) use lag::lag_of_logs;
@@ -88,6 +88,7 @@ fn estimate_with(
     let mut split = Split::as_given(plant, logs, check)?;
     let given = bench(plant, &split).as_given();
     let given = given.ok_or_else(|| split.not_simulated())?;
+    report_error(watch, "plant as given", 0.0, Some(&given.fitted))?;
     let Fitted {
         unknowns,
         fit,
@@ -101,7 +102,7 @@ fn estimate_with(
         fit: sharp,
         ..trial.clone()
     };
-    let parameters = estimated_parameters(&split.fitting, &sharp);
+    let (parameters, correlations) = estimated_parameters(&split.fitting, &sharp);
     let left = Left::of(&trial, !check.is_empty());
     let steps = [
         (StepKind::PlantAsGiven, &given),
@@ -121,6 +122,7 @@ fn estimate_with(
         is_converged,
         steps: steps.into(),
         parameters,
+        correlations,
         clocks: split.clocks(),
         starts: split.starts(),
         cost: split.cost(begin),

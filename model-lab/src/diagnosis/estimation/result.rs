@@ -55,6 +55,10 @@ pub struct Estimation {
     pub steps: Vec<Step>,
     /// Estimated parameters.
     pub parameters: Vec<EstimatedParameter>,
+    /// Correlations of the errors of the parameters, -1 to 1, in the order of `parameters`: one row for each. They are those that the noise
+    /// and the stated ranges leave. Empty where the covariance cannot be computed.
+    #[serde(default)]
+    pub correlations: Vec<Vec<f64>>,
     /// Clocks of the loggers, where they differ from that of the ECU.
     pub clocks: Vec<FoundClock>,
     /// Temperatures of the gas where logs begin with a filled chamber.
@@ -86,6 +90,9 @@ pub struct EstimatedParameter {
     pub low: f64,
     /// Upper end of the 95 % interval.
     pub high: f64,
+    /// Least and largest value between which the estimation moved it; null where one of them is infinite.
+    #[serde(default)]
+    pub within: Option<[f64; 2]>,
     /// Determination of the parameter by the logs.
     pub determination: Determination,
     /// Excitation or measurement that determines it; null if the logs do.

@@ -8,6 +8,7 @@ use super::unknowns_of;
 use crate::conditions::Conditions;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::evidence::Evidence;
+use crate::diagnosis::evidence::errors::Errors;
 use crate::diagnosis::evidence::log::Log;
 use crate::diagnosis::evidence::unknowns::{Unknown, Unknowns};
 use crate::diagnosis::fit::logger_time::{
@@ -15,7 +16,8 @@ use crate::diagnosis::fit::logger_time::{
 };
 use crate::diagnosis::fit::split::Split;
 use crate::diagnosis::fit::{Descent, Fit, Fitter, Loss};
-use crate::diagnosis::search::{Watch, report};
+use crate::diagnosis::search::{Watch, report, report_error};
+use crate::result::Horizon;
 
 /// Residual in noise floors above which the robust loss is linear.
 pub(super) const OUTLIER: f64 = 3.0;
@@ -61,6 +63,18 @@ pub(super) fn forgiving_fitter<'a>(evidence: &'a Evidence, unknowns: &'a Unknown
     fitter
 }
 
+/// Shows `watch` the error of the model at the point `fit`. If it stops the work, the next stage ends it.
+pub(super) fn show_error(
+    watch: Watch,
+    stage: &'static str,
+    done: f64,
+    evidence: &Evidence,
+    fit: &Fit,
+) {
+    let errors = Errors::new(evidence, &fit.residuals, Horizon::OneStepAhead);
+    let _ = report_error(watch, stage, done, Some(&errors));
+}
+
 /// Fits from `start` with a robust loss and reassigns the commands, in `rounds` at most; it ends when several consecutive rounds do not lower
 /// the cost.
 pub(super) fn in_rounds(
@@ -74,9 +88,15 @@ pub(super) fn in_rounds(
     let mut in_vain = 0;
     for round in 0..rounds {
         let done = round as f64 / rounds as f64;
-        report(watch, "estimating, large errors forgiven", done)?;
+        const STAGE: &str = "estimating, large errors forgiven";
+        report(watch, STAGE, done)?;
+        let show = |fit: &Fit| show_error(watch, STAGE, done, &split.fitting, fit);
         let Start { unknowns, z } = &start;
-        let fit = forgiving(&split.fitting, unknowns, z.clone(), Descent::Whole);
+        let mut fitter = forgiving_fitter(&split.fitting, unknowns);
+        fitter.on_step = Some(&show);
+        let fit = fitter
+            .at(z.clone())
+            .and_then(|start| fitter.descend(start, Descent::Whole));
         let fit = fit.ok_or_else(|| split.not_simulated())?;
         let fitted = Assigned::of(split, unknowns, &fit);
         let is_better = |best: &Assigned| fitted.cost < (1.0 - BETTER_ROUND) * best.cost;

@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use super::rounds::{
     OUTLIER, ROUNDS, ROUNDS_OF_SLOW_LOGS, Start, assigned_anew, begin_at_delay, forgiving,
-    forgiving_fitter, in_rounds, with_clocks_anew, with_clocks_chosen_again, with_commands_settled,
+    forgiving_fitter, in_rounds, show_error, with_clocks_anew, with_clocks_chosen_again,
+    with_commands_settled,
 };
 use super::unknowns_of;
 use super::weak_directions::{measure_weak_directions, settled};
@@ -100,9 +101,12 @@ pub(super) fn fit(
             start = with_commands_settled(plant, split, start)?;
         }
     }
-    report(watch, "estimating, least squares", 0.0)?;
+    const LAST: &str = "estimating, least squares";
+    report(watch, LAST, 0.0)?;
+    let show = |fit: &Fit| show_error(watch, LAST, 0.0, &split.fitting, fit);
     let Start { unknowns, z } = start;
     let mut fitter = Fitter::new(&split.fitting, &unknowns);
+    fitter.on_step = Some(&show);
     fitter.step_scale = FINE;
     fitter.converged_share = CONVERGED_SHARE;
     let start = fitter.at(z).ok_or_else(|| split.not_simulated())?;

@@ -1,4 +1,5 @@
 use core::ops::ControlFlow;
+use std::sync::Mutex;
 
 use plant_sim::PlantParameters;
 use plant_sim::logger_clock::LoggerClock;
@@ -8,6 +9,7 @@ use recording::Recording;
 use super::*;
 use crate::bench::{Bench, logged, logged_through, pressure_alone};
 use crate::diagnosis::nuisance::ordinary_names;
+use crate::diagnosis::search::Progress;
 
 /// Returns a plant whose ordinary values differ from the nominal ones by up to a quarter, and whose coils differ by 6 %.
 fn another_rig() -> PlantParameters {
@@ -47,9 +49,18 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
         [(3.3e-3, 140.0, 1), (8.1e-3, 140.0, 2)].map(|(phase_s, drift_ppm, seed)| {
             logged(&rig, LoggerClock { phase_s, drift_ppm }, 2e-3, seed)
         });
-    let found = estimated(&PlantParameters::nominal(), &[fitted], &[check]);
+    let errors = Mutex::new(Vec::new());
+    let watch = |seen: Progress| {
+        errors.lock().unwrap().extend(seen.error);
+        ControlFlow::Continue(())
+    };
+    let found = estimate(&PlantParameters::nominal(), &[fitted], &[check], &watch).unwrap();
     let estimation = &found.estimation;
     assert!(estimation.is_adequate, "{}", estimation.sentence);
+    let errors = errors.into_inner().unwrap();
+    let (first, last) = (errors[0].floors, errors[errors.len() - 1].floors);
+    assert!(errors.len() > 5 && first > 5.0 && last < 1.1, "{errors:?}");
+    correlations_are_those_of_the_parameters(estimation);
     let [given, after] = &estimation.steps[..] else {
         panic!("{:?}", estimation.steps)
     };
@@ -91,6 +102,28 @@ fn a_plant_file_that_is_a_quarter_off_is_mended_through_a_logger_with_a_clock_of
         matches!(resistance, Knowledge::TolerancePct(percent) if percent < 2.0),
         "{resistance:?}"
     );
+}
+
+/// Checks the correlation matrix of `estimation`, in which flow and volume go together, and the ranges of its parameters.
+fn correlations_are_those_of_the_parameters(estimation: &Estimation) {
+    let (parameters, rows) = (&estimation.parameters, &estimation.correlations);
+    assert_eq!(rows.len(), parameters.len());
+    for (n, row) in rows.iter().enumerate() {
+        assert_eq!((row.len(), row[n]), (rows.len(), 1.0));
+        for (m, &value) in row.iter().enumerate() {
+            assert!(
+                value.abs() <= 1.0 && value == rows[m][n],
+                "{n} {m}: {value}"
+            );
+        }
+    }
+    let place = |name: &str| parameters.iter().position(|one| one.name == name).unwrap();
+    let together = rows[place("chamber.volume_m3")][place("flow.discharge_fill")];
+    assert!(together > 0.9, "{together}");
+    for one in parameters {
+        let [least, most] = one.within.unwrap();
+        assert!(least <= one.after && one.after <= most, "{one:?}");
+    }
 }
 
 /// Defect seen: with a slow logger, a delay and a clock that are both later leave the same errors. The fit moved to the delay of the plant

@@ -106,8 +106,15 @@ impl Errors {
 
     /// Returns the rms error over that of a perfect model, of the signal with the largest ratio.
     pub(crate) fn most_floors(&self) -> f64 {
-        let each = self.each(|sums| (sums.normalised_square / sums.count).sqrt());
-        each.into_values().fold(0.0, f64::max)
+        self.worst().map_or(0.0, |(_, floors)| floors)
+    }
+
+    /// Returns the signal with the largest rms error over that of a perfect model, and this ratio; none without a signal.
+    pub(crate) fn worst(&self) -> Option<(&'static str, f64)> {
+        let floors = |sums: &Sums| (sums.normalised_square / sums.count).sqrt();
+        let each = self.by_signal.iter();
+        let each = each.map(|(&signal, sums)| (signal, floors(sums)));
+        each.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Returns whether they are too small to say whether physics is missing.

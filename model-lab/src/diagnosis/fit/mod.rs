@@ -160,9 +160,14 @@ pub(crate) struct Fitter<'a> {
     pub(crate) loss: Loss,
     /// Unknowns and signals that take part.
     pub(crate) scope: Scope,
+    /// Observer of each point that a whole descent reaches.
+    pub(crate) on_step: Option<OnStep<'a>>,
     /// Index of an unknown that is fixed.
     fixed: Option<usize>,
 }
+
+/// Observer of the points of a descent.
+pub(crate) type OnStep<'a> = &'a (dyn Fn(&Fit) + Sync);
 
 /// Part of the plant that a fit covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -236,6 +241,7 @@ impl<'a> Fitter<'a> {
             converged_excess_share: 0.0,
             loss: Loss::Square,
             scope: Scope::Whole,
+            on_step: None,
             fixed: None,
         }
     }
@@ -432,6 +438,10 @@ impl<'a> Fitter<'a> {
                 .map_or(f64::NEG_INFINITY, |next| fit.cost - next.cost);
             if let Some(next) = next.filter(|_| reached > 0.0) {
                 fit = fit.moved_to(next);
+                // Begun descents run beside each other, from points that may be dropped.
+                if let Some(on_step) = self.on_step.filter(|_| descent == Descent::Whole) {
+                    on_step(&fit);
+                }
                 damping = (damping * 0.2).max(1e-6);
                 if fresh && reached < self.converged(fit.cost) {
                     break;

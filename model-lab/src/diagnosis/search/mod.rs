@@ -16,6 +16,7 @@ use plant_sim::effects::{Effect, EffectSetting};
 use rayon::prelude::*;
 
 use super::error::DiagnoseError;
+use super::evidence::errors::Errors;
 use super::fit::supply::shows_in_currents;
 use super::fit::trial::{Bench, Opened, Prospect, Trial};
 use super::verdict::FURTHER_EVIDENCE;
@@ -43,6 +44,17 @@ pub struct Progress {
     pub stage: &'static str,
     /// Share of the stage that is done, 0 to 1.
     pub done: f64,
+    /// Error of the model after a step of an estimation; none where a stage reports no error.
+    pub error: Option<WorstError>,
+}
+
+/// Error of the signal that a model explains worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstError {
+    /// Name of the signal.
+    pub signal: &'static str,
+    /// Rms of its one-step-ahead error over the noise floor; 1 is a perfect model.
+    pub floors: f64,
 }
 
 /// Observer of the progress of long work, called from several threads, which may stop it.
@@ -273,7 +285,22 @@ fn open_promising(
 
 /// Reports the progress to `watch`.
 pub(crate) fn report(watch: Watch, stage: &'static str, done: f64) -> Result<(), DiagnoseError> {
-    match watch(Progress { stage, done }) {
+    report_error(watch, stage, done, None)
+}
+
+/// Reports the progress together with the errors of the model so far.
+///
+/// # Errors
+/// [`DiagnoseError::Interrupted`]: `watch` stopped the work.
+pub(crate) fn report_error(
+    watch: Watch,
+    stage: &'static str,
+    done: f64,
+    errors: Option<&Errors>,
+) -> Result<(), DiagnoseError> {
+    let worst = errors.and_then(Errors::worst);
+    let error = worst.map(|(signal, floors)| WorstError { signal, floors });
+    match watch(Progress { stage, done, error }) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(DiagnoseError::Interrupted),
     }

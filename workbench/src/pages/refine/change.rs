@@ -6,15 +6,9 @@ use plant_sim::effects::{Effect, EffectSetting};
 use serde::Deserialize;
 
 use super::refitted::{RefittedParameter, refitted};
-use crate::history::{History, Step, StepEffect};
-use crate::project::PlantFile;
+use crate::history::{BY_HAND, History, Step, StepEffect};
 use crate::refusal::Refusal;
 use crate::results::Diagnosed;
-
-/// File name of a plant that was changed here.
-pub(super) const REFINED: &str = "refined.toml";
-/// Source of a value that the user chose.
-const BY_HAND: &str = "set by hand in the workbench";
 
 /// Change of the plant by the user. Without a tag field, since serde cannot read buffered numbers if any crate of the
 /// program enables serde_json's `arbitrary_precision`, as the log's decoder does.
@@ -75,20 +69,8 @@ impl Change {
                     draft.switch_ordinary(&parameter, *is_refitted)
                 })
             }
-            Self::Undo => {
-                let before = history.at().checked_sub(1);
-                history.go_to(before.ok_or_else(|| {
-                    Refusal::too_early("there is nothing to undo; this is the plant as opened")
-                })?)
-            }
-            Self::Redo => {
-                if history.at() + 1 == history.steps().len() {
-                    return Err(Refusal::too_early(
-                        "there is nothing to redo; this is the last step",
-                    ));
-                }
-                history.go_to(history.at() + 1)
-            }
+            Self::Undo => history.undo(),
+            Self::Redo => history.redo(),
         }
     }
 }
@@ -364,29 +346,14 @@ impl Draft {
     }
 
     fn step(self, done: String, first: &Step) -> Result<Step, Refusal> {
-        let plant = if self.plant == first.plant.parameters()? {
-            first.plant.clone()
-        } else {
-            PlantFile {
-                name: REFINED.to_owned(),
-                toml: self.plant.to_toml(),
-            }
-        };
-        Ok(Step {
-            done,
-            plant,
-            effects: self.effects,
-            log: String::new(),
-            errors: Vec::new(),
-            fit: None,
-            estimation: None,
-        })
+        Step::to(&self.plant, done, self.effects, first)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::project::PlantFile;
 
     fn history() -> History {
         History::begin(&PlantFile::nominal()).unwrap()

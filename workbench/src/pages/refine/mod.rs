@@ -1,8 +1,6 @@
 //! Page "Refine": effects are added, adjusted, fitted, evaluated and undone.
 
 mod change;
-mod estimate;
-mod experiment;
 mod refitted;
 mod simulation;
 
@@ -13,75 +11,29 @@ use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use model_lab::diagnosis::{Estimation, Refined, Refinement, refine};
+use model_lab::diagnosis::{Refined, Refinement, refine};
 use serde::{Deserialize, Serialize};
 
+use super::plant_steps::{
+    Fitting, OnLog, StepView, add_fitted, change_plant, fitting, history, note_errors,
+};
 use super::{Begun, Shared, begin_job, blocking, session};
-use crate::history::{History, Step, StepEffect, StepError};
-use crate::job::{Job, Span};
+use crate::history::{History, Step, StepEffect};
+use crate::job::Span;
 use crate::plant_sketch::SketchView;
-use crate::project::{PlantFile, Project};
 use crate::refusal::Refusal;
-use crate::results::Chosen;
-use crate::session::{Session, Sessions};
-use change::{Change, REFINED};
+use crate::session::Sessions;
+use change::Change;
 use refitted::{RefittedParameter, refitted};
+pub(super) use simulation::measure;
 
 pub(super) fn routes() -> Router<Arc<Sessions>> {
     Router::new()
         .route("/sessions/{session}/refine", get(show))
-        .route("/sessions/{session}/refine/change", post(change_plant))
+        .route("/sessions/{session}/refine/change", post(change))
         .route("/sessions/{session}/refine/simulation", get(simulate))
         .route("/sessions/{session}/refine/fit", post(fit))
-        .route(
-            "/sessions/{session}/refine/estimate",
-            post(estimate::estimate),
-        )
-        .route(
-            "/sessions/{session}/refine/experiment",
-            get(experiment::planned).post(experiment::plan),
-        )
-        .route(
-            "/sessions/{session}/refine/experiment/csv",
-            get(experiment::export_csv),
-        )
         .route("/sessions/{session}/refine/plant", get(plant_file))
-}
-
-/// Returns the history of the session's plant; it begins again if another page changed the plant.
-fn history(session: &Session) -> Result<History, Refusal> {
-    let project = session.project();
-    if project.history.is_of(&project.plant) {
-        return Ok(project.history);
-    }
-    History::begin(&project.plant)
-}
-
-fn of_plant(project: &mut Project) -> Result<&mut History, Refusal> {
-    if !project.history.is_of(&project.plant) {
-        project.history = History::begin(&project.plant)?;
-    }
-    Ok(&mut project.history)
-}
-
-/// Stores the errors of the current step, and of the one before it, on a log.
-fn note_errors(session: &Session, log: u32) -> Result<(), Refusal> {
-    let mut measured = history(session)?;
-    let at = measured.at();
-    // A change may add two steps.
-    if let Some(before) = at.checked_sub(1) {
-        measured.go_to(before)?;
-        simulation::measure(session, log, &mut measured)?;
-        measured.go_to(at)?;
-    }
-    simulation::measure(session, log, &mut measured)?;
-    session.change(|project| {
-        // Another request may have changed the plant in the meantime.
-        if measured.is_of(&project.plant) {
-            project.history = measured;
-        }
-        Ok(())
-    })
 }
 
 #[derive(Serialize)]
@@ -98,26 +50,12 @@ struct RefineView {
     at: usize,
     /// The last fit up to that step.
     fit: Option<Refinement>,
-    /// The last estimation up to that step.
-    estimation: Option<Estimation>,
-}
-
-#[derive(Serialize)]
-struct StepView {
-    done: String,
-    log: String,
-    errors: Vec<StepError>,
 }
 
 impl RefineView {
     fn of(history: History) -> Result<Self, Refusal> {
         let refitted = refitted(&history)?;
         let until_now = &history.steps()[..=history.at()];
-        let steps = history.steps().iter().map(|step| StepView {
-            done: step.done.clone(),
-            log: step.log.clone(),
-            errors: step.errors.clone(),
-        });
         let now = history.now();
         Ok(Self {
             refitted,
@@ -125,18 +63,11 @@ impl RefineView {
             plant: now.plant.name.clone(),
             sketch: SketchView::of(&now.plant.parameters()?),
             effects: now.effects.clone(),
-            steps: steps.collect(),
+            steps: StepView::all_of(&history),
             at: history.at(),
             fit: until_now.iter().rev().find_map(|step| step.fit.clone()),
-            estimation: history.base().estimation.clone(),
         })
     }
-}
-
-#[derive(Deserialize)]
-struct OnLog {
-    /// Log whose errors are stored with the step.
-    log: u32,
 }
 
 async fn show(
@@ -147,7 +78,7 @@ async fn show(
     let session = session(&sessions, id)?;
     blocking(move || {
         let mut history = history(&session)?;
-        simulation::measure(&session, on.log, &mut history)?;
+        measure(&session, on.log, &mut history)?;
         RefineView::of(history).map(Json)
     })
     .await
@@ -159,25 +90,17 @@ struct Changing {
     change: Change,
 }
 
-async fn change_plant(
+async fn change(
     State(sessions): Shared,
     Path(id): Path<String>,
     Json(request): Json<Changing>,
 ) -> Result<Json<RefineView>, Refusal> {
     let session = session(&sessions, id)?;
     blocking(move || {
-        session.project().log(request.log)?;
         let diagnosed = session.findings().diagnosed;
-        note_errors(&session, request.log)?;
-        session.change(|project| {
-            let history = of_plant(project)?;
-            request.change.apply(history, diagnosed.as_deref())?;
-            project.plant = project.history.now().plant.clone();
-            Ok(())
-        })?;
-        session.forget_comparisons();
-        note_errors(&session, request.log)?;
-        RefineView::of(history(&session)?).map(Json)
+        let apply = |history: &mut History| request.change.apply(history, diagnosed.as_deref());
+        let history = change_plant(&session, request.log, apply)?;
+        RefineView::of(history).map(Json)
     })
     .await
 }
@@ -191,28 +114,8 @@ async fn simulate(
     blocking(move || simulation::simulate(&session, &view).map(Json)).await
 }
 
-#[derive(Deserialize)]
-struct Fitting {
-    log: u32,
-    #[serde(flatten)]
-    chosen: Chosen,
-}
-
-/// Returns the session `id` with its history, if it has the logs that `request` requests.
-fn fitting(
-    sessions: &Sessions,
-    id: String,
-    request: &Fitting,
-) -> Result<(Arc<Session>, History), Refusal> {
-    let session = session(sessions, id)?;
-    request.chosen.check(&session.project())?;
-    session.project().log(request.log)?;
-    let history = history(&session)?;
-    Ok((session, history))
-}
-
 /// Begins a fit of all effects that are on, together with the parameters that differ between rigs, from the plant as
-/// opened or as last estimated.
+/// opened, or as last stated or estimated.
 async fn fit(
     State(sessions): Shared,
     Path(id): Path<String>,
@@ -241,29 +144,10 @@ async fn fit(
         let check = session.recordings(&request.chosen.check)?;
         note_errors(session, request.log)?;
         let refined = refine(&opened, &logs, &check, &add, &|seen| job.watch(seen))?;
-        let step = fitted_step(now, refined)?;
+        let step = fitted_step(now, refined, history.first())?;
         add_fitted(session, job, now, step)?;
         note_errors(session, request.log)
     }))
-}
-
-/// Adds `step`, which was computed from the step `now`.
-fn add_fitted(session: &Session, job: &Job, now: &Step, step: Step) -> Result<(), Refusal> {
-    if job.is_cancelled() {
-        return Ok(());
-    }
-    session.change(|project| {
-        if project.plant != now.plant {
-            return Err(Refusal::too_early(
-                "the plant was changed while it was fitted; fit again",
-            ));
-        }
-        project.plant = step.plant.clone();
-        project.history.push(step);
-        Ok(())
-    })?;
-    session.clear_comparisons();
-    Ok(())
 }
 
 /// Returns the ids of effects that the plant had in the step `base` and does not have any more.
@@ -274,7 +158,7 @@ fn now_gone<'a>(effects: &'a [StepEffect], base: &'a Step) -> impl Iterator<Item
         .filter(|id| !effects.iter().any(|effect| effect.effect == *id))
 }
 
-fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
+fn fitted_step(before: &Step, refined: Refined, first: &Step) -> Result<Step, Refusal> {
     let Refined { plant, refinement } = refined;
     let effects = before.effects.iter().map(|effect| {
         let setting = plant.effect(&effect.effect).filter(|_| effect.is_on);
@@ -289,21 +173,15 @@ fn fitted_step(before: &Step, refined: Refined) -> Result<Step, Refusal> {
     let names: Vec<_> = names
         .map(|effect| effect.effect.replace(['_', '.'], " "))
         .collect();
+    let done = format!(
+        "fitted {} and the ordinary parameters to {}",
+        names.join(" and "),
+        refinement.logs.join(", ")
+    );
+    let step = Step::to(&plant, done, effects.collect(), first)?;
     Ok(Step {
-        done: format!(
-            "fitted {} and the ordinary parameters to {}",
-            names.join(" and "),
-            refinement.logs.join(", ")
-        ),
-        effects: effects.collect(),
-        plant: PlantFile {
-            name: REFINED.to_owned(),
-            toml: plant.to_toml(),
-        },
-        log: String::new(),
-        errors: Vec::new(),
         fit: Some(refinement),
-        estimation: None,
+        ..step
     })
 }
 

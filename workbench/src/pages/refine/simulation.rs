@@ -8,9 +8,9 @@ use plant_sim::replay::ROW_SIGNALS;
 use serde::{Deserialize, Serialize};
 
 use super::change::moved;
-use super::history;
 use crate::history::{History, Step, StepError};
 use crate::lock::lock;
+use crate::pages::plant_steps::history;
 use crate::pages::points::{Drawn, Points, Range};
 use crate::plant_file::PlantFile;
 use crate::refusal::Refusal;
@@ -197,7 +197,7 @@ fn errors_of(
 
 /// Sets the errors of the current step on a log; a plant that cannot be simulated there has none. Another log, or other
 /// columns of the same one, require a new simulation.
-pub(super) fn measure(
+pub(in crate::pages) fn measure(
     session: &Session,
     number: u32,
     history: &mut History,

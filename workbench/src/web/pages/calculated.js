@@ -1,6 +1,6 @@
 // Calculated channels of a log: name, unit, formula.
 
-import { button, element, fill } from "../dom.js";
+import { button, element, fill, scrolling } from "../dom.js";
 
 export class CalculatedChannels {
   /** Creates the form. `apply` sends all channels and returns their problems. */
@@ -9,7 +9,7 @@ export class CalculatedChannels {
     this.units = element("datalist", { id: "units-of-channels" });
     this.body = element("tbody", {});
     this.problem = element("p", { class: "problem", role: "alert", id: "channel-problem" });
-    this.table = element("div", { class: "scroll" }, element("table", { class: "form" },
+    this.table = scrolling("Calculated channels", element("table", { class: "form" },
       element("thead", {}, element("tr", {}, ["name", "unit", "formula", ""].map((cell) => element("th", { scope: "col" }, cell)))), this.body));
     this.element = element("section", { class: "card", "aria-labelledby": "calculated-title" },
       element("h2", { id: "calculated-title" }, "Calculated channels"),

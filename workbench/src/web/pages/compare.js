@@ -13,8 +13,6 @@ import { limitsMenu } from "./compare/limits.js";
 import { Regimes } from "./compare/regimes.js";
 import { TimePlots } from "./compare/charts.js";
 
-export const title = "Compare";
-
 export const load = () => api.get("/project");
 
 export function show(place, project) {

@@ -10,8 +10,6 @@ import { controllerForm } from "./control/controller.js";
 import { profileForm } from "./control/profile.js";
 import { requirements } from "./control/requirements.js";
 
-export const title = "Control";
-
 export const load = () => api.get("/control");
 
 export const show = (place, query) => new Page(place, query);

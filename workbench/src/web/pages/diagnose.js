@@ -1,7 +1,7 @@
 // Page "Diagnose": the missing physical effect, its size, and other explanations.
 
 import * as api from "../api.js";
-import { button, element, fill, showProblems } from "../dom.js";
+import { button, element, fill, scrolling, showProblems } from "../dom.js";
 import { duration, number, unitText } from "../format.js";
 import { nextLine } from "../next.js";
 import { term } from "../terms.js";
@@ -12,8 +12,6 @@ import { Remaining } from "./diagnose/remaining.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
 import { Roles } from "./roles.js";
 import { Work } from "./work.js";
-
-export const title = "Diagnose";
 
 export const load = () => Promise.all([api.get("/project"), api.effects()]);
 
@@ -32,7 +30,7 @@ const VERDICTS = {
   plant_file_wrong: ["open", "Plant file wrong"], form_wrong: ["open", "Partly explained"], not_in_library: ["bad", "Not in library"],
 };
 
-const PAGE_TITLES = { compare: "Compare", control: "Control", refine: "Refine" };
+const PAGE_TITLES = { compare: "Compare", control: "Control", refine: "Refine", estimate: "Estimate" };
 
 class Page {
   constructor(place, project, logs, effects) {
@@ -111,7 +109,7 @@ class Page {
     if (!isOfPlant) return explainsPlant ? to("compare the refined plant with the logs.", "compare") : nextLine("diagnose the changed plant.", "Diagnose again", () => this.diagnose());
     if (effects.length > 0) return nextLine("add the effect to the plant.", `Add ${(this.effects.get(effects[0])?.title ?? effects[0]).toLowerCase()}`, () => this.add(effects[0]));
     if (verdict === "adequate") return to("close the loop on this plant.", "control");
-    if (verdict === "plant_file_wrong") return to("estimate the ordinary parameters.", "refine");
+    if (verdict === "plant_file_wrong") return to("estimate the ordinary parameters.", "estimate");
     return to("see where the error is.", "compare");
   }
 
@@ -174,7 +172,7 @@ class Page {
       element("p", { class: "quiet" }, "Refitted within the tolerance of the plant file, with every candidate. A value at its limit: wrong plant file or missing effect."),
       alarms.map((value) => element("p", {}, element("span", { class: "chip bad" }, value.name), ` ${value.alarm}`)),
       element("details", { open: alarms.length > 0 }, element("summary", {}, `${nuisance.length} parameters`),
-        element("div", { class: "scroll" }, element("table", { class: "numbers" },
+        scrolling("Ordinary parameters", element("table", { class: "numbers" },
           element("thead", {}, element("tr", {}, [
             "parameter", "plant file", "tolerance", "without effects", "with effects", "95 % interval", "unit",
           ].map((cell) => element("th", { scope: "col" }, cell)))),

@@ -1,6 +1,6 @@
 // Inspection of a log: its columns, the guess of each with its reason, open questions.
 
-import { button, element } from "../dom.js";
+import { button, element, scrolling } from "../dom.js";
 import { count, duration, number } from "../format.js";
 
 /**
@@ -12,7 +12,7 @@ export function inspectionView(inspection, hasProblems, answer, apply) {
   return element("section", { class: "inspection", "aria-label": "Inspection" },
     element("h3", {}, "Columns"),
     element("p", { class: "facts" }, `${inspection.layout} · ${count(inspection.rows)} rows${length}`),
-    element("div", { class: "scroll" }, element("table", { class: "numbers" },
+    scrolling("Columns of the log", element("table", { class: "numbers" },
       element("thead", {}, element("tr", {}, ["column", "rate", "missing", "least", "greatest", "signal", "unit", "reason"]
         .map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, inspection.columns.map(columnLine)))),

@@ -1,7 +1,7 @@
 // Page "Logs and plant": opens files, maps columns, shows problems.
 
 import * as api from "../api.js";
-import { ask, button, element, fill, showMessage, showProblems } from "../dom.js";
+import { ask, button, element, fill, scrolling, showMessage, showProblems } from "../dom.js";
 import { count, duration, number, ratesOf } from "../format.js";
 import { nextLine } from "../next.js";
 import { showSketch, sketchCard } from "../sketch.js";
@@ -9,8 +9,6 @@ import * as view from "../view.js";
 import { CalculatedChannels } from "./calculated.js";
 import { inspectionView } from "./inspection.js";
 import { isMappable, mappingForm } from "./mapping.js";
-
-export const title = "Logs and plant";
 
 export const load = () => Promise.all([api.get("/project"), api.examples()]);
 
@@ -240,7 +238,7 @@ class Page {
       plant.problems.map((problem) => element("p", { class: "problem" }, problem.message)),
       rows.length > 0 && element("details", {},
         element("summary", {}, rows.length === 1 ? "1 parameter that differs from the thesis model or has a stated tolerance" : `${rows.length} parameters that differ from the thesis model or have a stated tolerance`),
-        element("div", { class: "scroll" }, element("table", { class: "numbers" },
+        scrolling("Parameters of the plant", element("table", { class: "numbers" },
           element("thead", {}, element("tr", {}, ["parameter", "value", "thesis", "unit", "tolerance"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, rows)))),
       element("p", { class: "row" },
         element("a", { class: "button", href: api.address("/plant"), download: "plant.toml" }, "Download"),
@@ -298,13 +296,13 @@ function showNeeded(card, log, { found, missing, problem, remarks, defects }) {
 const isUnderstood = ({ mapping, problem, open }) => Boolean(mapping) && !problem && open.length === 0;
 
 function rawTable(text, problem) {
-  return element("div", { class: "scroll" }, element("table", { class: "raw" }, element("tbody", {}, text.lines.map((line) => element("tr", { class: problem?.line === line.number ? "wrong" : undefined },
+  return scrolling("First lines of the file", element("table", { class: "raw" }, element("tbody", {}, text.lines.map((line) => element("tr", { class: problem?.line === line.number ? "wrong" : undefined },
     element("th", { scope: "row" }, line.number),
     line.cells.map((cell, index) => element("td", { class: problem?.line === line.number && problem.column === index + 1 ? "wrong" : undefined }, cell)))))));
 }
 
 function valueTable(preview) {
-  return element("div", { class: "scroll" }, element("table", { class: "numbers" },
+  return scrolling("First rows as read", element("table", { class: "numbers" },
     element("thead", {}, element("tr", {}, preview.columns.map((column) => element("th", { scope: "col" }, column.name, element("span", { class: "unit" }, column.unit))))),
     element("tbody", {}, preview.rows.map((row) => element("tr", {}, row.map((value) => element("td", {}, value === null ? "" : String(value))))))));
 }

@@ -1,6 +1,6 @@
 // Form that maps the columns of a log; the inspection of the log fills it.
 
-import { button, element, fill } from "../dom.js";
+import { button, element, fill, scrolling } from "../dom.js";
 import { Filter } from "../filter.js";
 import { titled } from "../format.js";
 
@@ -52,7 +52,7 @@ export function mappingForm(log, preview, apply) {
       element("label", {}, header, " the first line has the column names"),
       element("label", {}, "lines to skip before it ", skip)),
     filter.element,
-    element("div", { class: "scroll" }, element("table", { class: "form" },
+    scrolling("Columns of the log", element("table", { class: "form" },
       element("thead", {}, element("tr", {}, ["column", "use", "signal", "unit", "", "factor", "offset"]
         .map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, rows.map((row) => row.line)))),

@@ -9,14 +9,13 @@ import { term } from "../terms.js";
 import * as view from "../view.js";
 import { errorSteps, rungsOf } from "./error-steps.js";
 import { Effects } from "./refine/effects.js";
-import { estimated } from "./refine/estimation.js";
-import { Experiment } from "./refine/experiment.js";
 import { Plots } from "./refine/plots.js";
 import { Refitted } from "./refine/refitted.js";
 import { Roles } from "./roles.js";
+import { isUndoKey, StepList } from "./steps.js";
 import { Work } from "./work.js";
 
-export const title = "Refine";
+const FIT = "/refine/fit";
 
 export const load = () => Promise.all([api.get("/project"), api.effects()]);
 
@@ -36,22 +35,19 @@ class Page {
     this.roles = new Roles(logs);
     this.log = logs.find((log) => log.number === view.numberOf("log")) ?? logs.find((log) => log.number === this.roles.chosen.logs[0]) ?? logs[0];
     view.set({ log: this.log.number });
-    this.work = new Work("Fit", "/refine/fit", "/refine/estimate");
+    this.work = new Work("Fit", FIT);
     this.plots = new Plots(this.log, () => this.simulate());
     this.effects = new Effects(this.library, (change) => this.change(change), (moved) => this.move(moved));
     this.undo = button("Undo", () => this.change("undo"), { id: "undo", title: "Ctrl+Z" });
     this.redo = button("Redo", () => this.change("redo"), { id: "redo", title: "Ctrl+Shift+Z" });
-    this.fitButton = button("Fit", () => this.fit("/refine/fit"), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened or last estimated" });
-    this.estimateButton = button("Estimate", () => this.fit("/refine/estimate"), { id: "estimate", title: "Estimate the ordinary parameters of the current plant (discharge, volume, preload, coils) and the effects that are on" });
+    this.fitButton = button("Fit", () => this.fit(), { class: "primary", id: "fit", title: "Fit the effects that are on and the ordinary parameters, starting at the plant as opened, or as last stated or estimated" });
     this.plant = element("strong", { id: "plant-name" });
     this.sketch = sketchCard();
     this.cost = element("p", { class: "quiet", id: "cost", role: "status" });
     this.rungs = element("div", {});
     this.refitted = new Refitted((change) => this.change(change));
     this.fitted = element("section", { class: "card", hidden: true });
-    this.estimated = element("section", { class: "card", hidden: true });
-    this.experiment = new Experiment(() => ({ log: this.log.number, ...this.roles.chosen }));
-    this.steps = element("ol", { class: "steps", id: "steps" });
+    this.steps = new StepList();
     this.ending = new AbortController();
     addEventListener("keydown", (event) => this.key(event), { signal: this.ending.signal });
   }
@@ -63,7 +59,7 @@ class Page {
       element("section", { class: "bar row" },
         element("label", {}, "Log ", choice), element("span", {}, "plant ", this.plant),
         element("span", { class: "space" }),
-        this.undo, this.redo, this.estimateButton, this.fitButton,
+        this.undo, this.redo, this.fitButton,
         element("a", { class: "button", href: api.address("/refine/plant"), download: "refined.toml", id: "download-plant" }, "Download the plant"),
         button("Compare", () => view.go("compare", { log: this.log.number }), { id: "to-compare" })),
       element("div", { class: "columns plots" },
@@ -72,10 +68,10 @@ class Page {
             element("h2", {}, "How the error falls"),
             element("p", { class: "quiet" }, `Rms error on ${this.log.name}, divided by the `, term("noise floor"), ` (the line at 1). This is a free-run simulation, as on Compare: the errors of all pulses add up, so they can be larger than the one-step-ahead errors on Diagnose. Rows: the plant as opened, then with its ordinary parameters refitted, then with one more effect in each row. The refit is not credited to an effect.`),
             this.rungs, this.cost, this.refitted.element),
-          this.sketch, this.plots.element, this.estimated, this.experiment.element, this.fitted),
+          this.sketch, this.plots.element, this.fitted),
         element("aside", { class: "stack" }, this.effects.element,
           element("section", { class: "card" }, element("h2", {}, "Training and validation logs"), this.roles.element),
-          element("section", { class: "card" }, element("h2", {}, "Steps"), this.steps))),
+          this.steps.element)),
       this.next = element("div", {}));
     try {
       const state = await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`);
@@ -90,7 +86,6 @@ class Page {
       return false;
     }
     if (this.work.isRunning) this.follow(this.work.resume());
-    this.experiment.resume();
     return true;
   }
 
@@ -98,17 +93,14 @@ class Page {
     this.ending.abort();
     this.work.leave();
     this.plots.leave();
-    this.experiment.leave();
   }
 
   redraw() {
     this.plots.redraw();
-    this.experiment.redraw();
   }
 
   key(event) {
-    const isText = event.target instanceof HTMLInputElement && event.target.type !== "range" && event.target.type !== "checkbox";
-    if (isText || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (!isUndoKey(event)) return;
     event.preventDefault();
     const act = event.shiftKey ? this.redo : this.undo;
     if (!act.disabled) act.click();
@@ -141,7 +133,7 @@ class Page {
     this.fitButton.disabled = !state.effects.some((effect) => effect.is_on);
     this.effects.take(state.effects);
     this.refitted.take(state.refitted);
-    this.showSteps(state);
+    this.steps.take(state);
     fill(this.next, state.at > 0 || state.effects.length > 0
       ? nextLine("compare the refined plant with the log.", "Compare", () => view.go("compare", { log: this.log.number }))
       : nextLine("find the physical effect that the model lacks.", "Diagnose", () => view.go("diagnose")));
@@ -152,19 +144,6 @@ class Page {
         element("p", { class: "quiet" }, `All parameters refitted for each row. Validation on ${state.fit.held_out}: one-step-ahead errors, as on Diagnose.`),
         errorSteps(rungsOf(state.fit.error_steps)));
     }
-    this.estimated.hidden = !state.estimation;
-    if (state.estimation) fill(this.estimated, estimated(state.estimation));
-    this.experiment.take(Boolean(state.estimation));
-  }
-
-  showSteps({ steps, at }) {
-    const { log } = steps[at];
-    const errors = (step) => step.errors.filter((error) => error.rms !== null && error.noise_floor).map((error) => ` ${error.signal} ${number(error.rms / error.noise_floor, 3)}×`).join(",");
-    fill(this.steps, steps.map((step, index) => element("li", { class: index > at ? "undone" : undefined, "aria-current": index === at ? "step" : undefined },
-      step.done,
-      // Errors on different logs cannot be compared.
-      element("span", { class: "quiet" }, step.log === log ? errors(step) : step.log && ` simulated on ${step.log}`))));
-    this.steps.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest" });
   }
 
   /** Simulates while a slider moves: the latest position as soon as the previous one is drawn. */
@@ -211,15 +190,14 @@ class Page {
     });
   }
 
-  fit(path) {
-    return this.follow(this.work.run(path, { log: this.log.number, ...this.roles.chosen }));
+  fit() {
+    return this.follow(this.work.run(FIT, { log: this.log.number, ...this.roles.chosen }));
   }
 
   async follow(work) {
-    const buttons = [this.fitButton, this.estimateButton];
-    buttons.forEach((one) => { one.hidden = true; });
+    this.fitButton.hidden = true;
     const isDone = await work;
-    buttons.forEach((one) => { one.hidden = false; });
+    this.fitButton.hidden = false;
     if (!isDone) return;
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));

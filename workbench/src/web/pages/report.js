@@ -6,8 +6,6 @@ import { percent } from "../format.js";
 import { nextLine } from "../next.js";
 import * as view from "../view.js";
 
-export const title = "Report";
-
 export const load = () => api.get("/report");
 
 export const show = (place, state) => new Page(place, state);

@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, label, layout, plotly, saveImage } from "../../chart.js";
-import { button, element, fill, save, showProblems } from "../../dom.js";
+import { button, element, fill, save, scrolling, showProblems } from "../../dom.js";
 import { Filter } from "../../filter.js";
 import { count, fileName, number, percent, ratesOf, signed, titled } from "../../format.js";
 import { menu } from "../../menu.js";
@@ -51,7 +51,7 @@ export class TimePlots extends TimeView {
     this.differences = new Differences(log, () => this.refresh());
     this.filter.element.append(button("Show only these", () => this.chooseFound((name) => !this.isFound(name)), { id: "show-found" }), button("Hide these", () => this.chooseFound((name) => this.isFound(name) || this.hidden.has(name)), { id: "hide-found" }));
     this.legend = element("span", { class: "row legend", id: "legend" });
-    this.metrics = element("div", { class: "scroll" });
+    this.metrics = scrolling("Numbers of the visible range");
     this.hint = element("p", { class: "quiet hint" }, "Drag or Ctrl and wheel to zoom, drag with Shift to pan, double-click for the whole log. A click sets cursor A, with Alt cursor B.",
       logs.length > 1 && " Drag with Ctrl to shift the overlaid log.");
     this.dividers = new Dividers(() => this.paint());

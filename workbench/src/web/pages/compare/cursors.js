@@ -1,7 +1,7 @@
 // Two cursors with their values and differences, and the values under the pointer.
 
 import * as api from "../../api.js";
-import { element, fill, showProblems } from "../../dom.js";
+import { element, fill, scrolling, showProblems } from "../../dom.js";
 import { brief, number, signed } from "../../format.js";
 import { colour } from "../../theme.js";
 import * as view from "../../view.js";
@@ -14,7 +14,7 @@ export class Cursors {
       on: { change: (event) => this.set(name, event.target.value === "" ? null : Number(event.target.value)) },
     });
     this.fields = { a: field("a"), b: field("b") };
-    this.body = element("div", { class: "scroll" });
+    this.body = scrolling("Values at the cursors");
     this.element = element("section", { class: "stack tight", "aria-labelledby": "cursors-title" },
       element("h2", { id: "cursors-title" }, "Values"),
       element("p", { class: "row" },

@@ -1,7 +1,7 @@
 // Acceptance limits of a signal: a multiple of its noise, an rms error, and a band for its samples.
 
 import * as api from "../../api.js";
-import { button, element, showProblems } from "../../dom.js";
+import { button, element, scrolling, showProblems } from "../../dom.js";
 import { menu } from "../../menu.js";
 import * as view from "../../view.js";
 
@@ -30,7 +30,7 @@ export function limitsMenu(log, strictness) {
   return menu("Limits",
     element("div", { class: "popup stack" },
       element("label", {}, "within tolerance up to ", allow, " times the noise"),
-      element("div", { class: "scroll" }, element("table", { class: "form" },
+      scrolling("Tolerances of the signals", element("table", { class: "form" },
         element("thead", {}, head(["signal", "or up to this rms", ...BAND.map(([heading]) => heading)])), element("tbody", {}, rows.map((one) => one.line)))),
       element("p", { class: "quiet" }, "The larger of both tolerances is the band. It applies to each sample of the visible range."),
       button("Apply and compare", apply, { class: "primary" })),

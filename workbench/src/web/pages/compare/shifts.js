@@ -1,7 +1,7 @@
 // Time offsets of the other logs relative to this one.
 
 import * as api from "../../api.js";
-import { button, element, fill, showProblems } from "../../dom.js";
+import { button, element, fill, scrolling, showProblems } from "../../dom.js";
 import { number, signed } from "../../format.js";
 
 /** Least correlation at which an alignment is applied; below it, the user decides. */
@@ -13,7 +13,7 @@ export class Shifts {
     Object.assign(this, { log, onShift, fields: new Map(), wanted: new Map(), isSending: false });
     this.element = element("section", { class: "card" }, element("h2", {}, "Time offset of other logs"),
       element("p", { class: "quiet" }, "Select a log above the plots to overlay it. The offset applies to all its signals. Dragging in the plots with Ctrl changes it too."),
-      element("div", { class: "scroll" }, element("table", {}, element("thead", {}, element("tr", {}, ["log", "offset", "drag", "by cross-correlation"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, others.map((other) => this.row(other))))));
+      scrolling("Time offsets", element("table", {}, element("thead", {}, element("tr", {}, ["log", "offset", "drag", "by cross-correlation"].map((cell) => element("th", { scope: "col" }, cell)))), element("tbody", {}, others.map((other) => this.row(other))))));
   }
 
   row(other) {

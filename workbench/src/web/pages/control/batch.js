@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { axis, clear, draw, layout } from "../../chart.js";
-import { button, element, fill, showProblems } from "../../dom.js";
+import { button, element, fill, scrolling, showProblems } from "../../dom.js";
 import { count, percent } from "../../format.js";
 import { colour } from "../../theme.js";
 import { roleOf } from "./charts.js";
@@ -73,7 +73,7 @@ export class BatchCard {
     const row = (plant, what, times) => element("tr", {}, element("th", { scope: "row" }, plant.role === "plant" ? what : `${plant.role}, ${what}`),
       [times.count, times.median_samples, times.within_95_samples].map((cell) => element("td", {}, cell === null ? "never" : count(cell))),
       element("td", {}, percent(times.share_within_limit)), element("td", {}, String(times.never)));
-    return element("div", { class: "scroll" }, element("table", { class: "numbers", id: "settling-times" },
+    return scrolling("Settling times", element("table", { class: "numbers", id: "settling-times" },
       element("thead", {}, element("tr", {}, ["settling times", "count", "median [samples]", "95 % [samples]", `within ${limit} samples`, "never settled"].map((cell) => element("th", { scope: "col" }, cell)))),
       element("tbody", {}, this.batch.plants.map(({ plant, steps, slowest }) => [
         row(plant, "all steps", steps), row(plant, "slowest step of each rig", slowest),

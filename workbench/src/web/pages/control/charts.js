@@ -2,7 +2,7 @@
 
 import * as api from "../../api.js";
 import { label, saveImage } from "../../chart.js";
-import { button, element, fill, save, showProblems } from "../../dom.js";
+import { button, element, fill, save, scrolling, showProblems } from "../../dom.js";
 import { fileName, number } from "../../format.js";
 import { colour } from "../../theme.js";
 import { TimeView } from "../../time-view.js";
@@ -26,7 +26,7 @@ export class RunPlots extends TimeView {
   constructor() {
     super("run-plots");
     this.legend = element("span", { class: "row legend" });
-    this.values = element("div", { class: "scroll" });
+    this.values = scrolling("Values at the cursors");
     this.exports = element("div", { class: "popup stack" });
     this.element = element("section", { class: "card", "aria-label": "Traces" },
       this.tools("Closed loop", "Whole run", this.exports), this.legend, this.over, this.values);

@@ -1,6 +1,6 @@
 // Table of requirements: limits, and results on each plant.
 
-import { button, element } from "../../dom.js";
+import { button, element, scrolling } from "../../dom.js";
 import { number } from "../../format.js";
 
 const BOUND = { at_most: "≤", less_than: "<" };
@@ -15,7 +15,7 @@ export function requirements(result, goTo) {
     element("h2", {}, "Requirements"),
     element("p", { class: "quiet" },
       "Pass: every binding requirement is met, and at least one step is checked. ", result.controller, "."),
-    element("div", { class: "scroll" }, element("table", { id: "requirements" },
+    scrolling("Requirements", element("table", { id: "requirements" },
       element("thead", {}, element("tr", {}, ["requirement", "limit"].map((cell) => element("th", { scope: "col" }, cell)), heads)),
       element("tbody", {}, rows))),
     ...runs.map((run) => notes(run, goTo)),

@@ -1,6 +1,6 @@
 // Ordinary parameters that a refit changed: a switch for each, with its values before and after.
 
-import { element, fill } from "../../dom.js";
+import { element, fill, scrolling } from "../../dom.js";
 import { number, unitText } from "../../format.js";
 
 export class Refitted {
@@ -14,7 +14,7 @@ export class Refitted {
     this.element.hidden = parameters.length === 0;
     fill(this.element, element("h3", {}, "Refitted ordinary parameters"),
       element("p", { class: "quiet" }, "A parameter that is switched off has its value as opened."),
-      element("div", { class: "scroll" }, element("table", { class: "numbers dense" },
+      scrolling("Refitted ordinary parameters", element("table", { class: "numbers dense" },
         element("thead", {}, element("tr", {}, ["parameter", "as opened", "refitted", "unit"].map((cell) => element("th", { scope: "col" }, cell)))),
         element("tbody", {}, parameters.map((parameter) => this.row(parameter))))));
   }

@@ -4,12 +4,10 @@ use axum::Json;
 use axum::extract::{Path, State};
 use model_lab::diagnosis::{EstimatedPlant, Estimation, estimate as estimate_parameters};
 
-use super::change::REFINED;
-use super::{Fitting, add_fitted, fitting, note_errors};
 use crate::history::{Interval, Step, StepEffect};
 use crate::job::Span;
+use crate::pages::plant_steps::{Fitting, add_fitted, fitting, note_errors};
 use crate::pages::{Begun, Shared, begin_job};
-use crate::project::PlantFile;
 use crate::refusal::Refusal;
 
 /// Begins an estimation from the current plant, with the effects that are on.
@@ -26,12 +24,17 @@ pub(super) async fn estimate(
         note_errors(session, request.log)?;
         let plant = now.plant.parameters()?;
         let estimated = estimate_parameters(&plant, &logs, &check, &|seen| job.watch(seen))?;
-        add_fitted(session, job, now, estimated_step(now, estimated))?;
+        add_fitted(
+            session,
+            job,
+            now,
+            estimated_step(now, estimated, history.first())?,
+        )?;
         note_errors(session, request.log)
     }))
 }
 
-fn estimated_step(before: &Step, estimated: EstimatedPlant) -> Step {
+fn estimated_step(before: &Step, estimated: EstimatedPlant, first: &Step) -> Result<Step, Refusal> {
     let EstimatedPlant { plant, estimation } = estimated;
     let effects = before.effects.iter().map(|effect| {
         let setting = plant.effect(&effect.effect).filter(|_| effect.is_on);
@@ -40,21 +43,13 @@ fn estimated_step(before: &Step, estimated: EstimatedPlant) -> Step {
             |setting| with_intervals(StepEffect::of(setting, &[]), &estimation),
         )
     });
-    Step {
-        done: format!(
-            "estimated the ordinary parameters from {}",
-            estimation.logs.join(", ")
-        ),
-        effects: effects.collect(),
-        plant: PlantFile {
-            name: REFINED.to_owned(),
-            toml: plant.to_toml(),
-        },
-        log: String::new(),
-        errors: Vec::new(),
-        fit: None,
+    let logs = estimation.logs.join(", ");
+    let done = format!("estimated the ordinary parameters from {logs}");
+    let step = Step::to(&plant, done, effects.collect(), first)?;
+    Ok(Step {
         estimation: Some(estimation),
-    }
+        ..step
+    })
 }
 
 fn with_intervals(mut effect: StepEffect, estimation: &Estimation) -> StepEffect {

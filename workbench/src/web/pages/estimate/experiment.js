@@ -1,12 +1,12 @@
 // Experiment that determines the ordinary parameters that the logs do not determine.
 
 import * as api from "../../api.js";
-import { button, element, fill, showProblems, table } from "../../dom.js";
+import { button, element, fill, scrolling, showProblems, table } from "../../dom.js";
 import { number, unitText } from "../../format.js";
 import { DutyChart, LimitFields, dutiesLink } from "../planned.js";
 import { Work } from "../work.js";
 
-const PATH = "/refine/experiment";
+const PATH = "/estimate/experiment";
 const interval = ([low, high]) => `${number(low, 3)} to ${number(high, 3)}`;
 
 const COLUMNS = ["parameter", "value", "interval now", "interval after", "unit"];
@@ -82,7 +82,7 @@ export class Experiment {
       !next.is_adequate && element("p", { class: "quiet" }, "The error on these logs exceeds the noise. The intervals assume a plant whose error is the noise."),
       this.chart.element,
       dutiesLink(`${PATH}/csv`, "determining-experiment.csv", "determining-csv"),
-      element("div", { class: "scroll" }, parameterTable(next.parameters)),
+      scrolling("Intervals before and after the experiment", parameterTable(next.parameters)),
       element("details", {}, element("summary", {}, `${signals.length} test signals`),
         table(["test signal", "determines", "width after/now", "maximum [bar]", "duration [s]"], signals, "numbers")));
     this.redraw();

@@ -9,9 +9,9 @@ use axum::response::IntoResponse;
 use model_lab::diagnosis::next_experiment::{DeterminingExperiment, determining_experiment};
 use serde::Deserialize;
 
-use super::{Fitting, fitting};
 use crate::job::Span;
 use crate::pages::experiment_limits::RequestedLimits;
+use crate::pages::plant_steps::{Fitting, fitting};
 use crate::pages::{Begun, Shared, begin_job, session};
 use crate::refusal::Refusal;
 use crate::results::Determining;
@@ -32,7 +32,7 @@ pub(super) async fn plan(
     Json(request): Json<Request>,
 ) -> Result<Json<Begun>, Refusal> {
     let (session, history) = fitting(&sessions, id, &request.fitting)?;
-    if history.base().estimation.is_none() {
+    if history.estimation().is_none() {
         return Err(Refusal::too_early(
             "the ordinary parameters are not estimated yet; estimate them first",
         ));
