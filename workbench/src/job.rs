@@ -1,5 +1,5 @@
 //! Jobs that take longer than a request, with progress events. A session runs one of each [`Span`] at a time. A job ends
-//! with the client that listens to its events.
+//! with the client that listens to its events; one of a tab waits for the page that is loaded again.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -12,10 +12,13 @@ use axum::response::sse::{Event, KeepAlive};
 use futures_util::{Stream, stream};
 use model_lab::diagnosis;
 use serde::Serialize;
+use tokio::runtime::Handle;
 use tokio::sync::watch;
 
 use crate::refusal::{Problem, Refusal};
 
+/// Time for which a tab and its job stay without a page: that of loading it again, with room.
+pub(crate) const RETURN: Duration = Duration::from_secs(10);
 /// Number of reported progress steps.
 const STEPS: f64 = 1000.0;
 
@@ -58,15 +61,17 @@ pub(crate) enum Span {
 /// Running job.
 pub(crate) struct Job {
     pub(crate) number: u64,
+    span: Span,
     is_cancelled: AtomicBool,
     progress: watch::Sender<Progress>,
 }
 
 impl Job {
-    fn new() -> Self {
+    fn new(span: Span) -> Self {
         static NUMBERS: AtomicU64 = AtomicU64::new(1);
         Self {
             number: NUMBERS.fetch_add(1, Ordering::Relaxed),
+            span,
             is_cancelled: AtomicBool::new(false),
             progress: watch::Sender::new(Progress::Running {
                 stage: None,
@@ -79,10 +84,11 @@ impl Job {
     /// Starts `work` on its own thread, as soon as `take_place` returns a place. The work asks its job regularly
     /// whether to continue.
     pub(crate) fn start<P>(
+        span: Span,
         take_place: impl FnOnce() -> P + Send + 'static,
         work: impl FnOnce(&Self) -> Result<(), Refusal> + Send + 'static,
     ) -> Arc<Self> {
-        let job = Arc::new(Self::new());
+        let job = Arc::new(Self::new(span));
         let worker = Arc::clone(&job);
         let watched = Arc::clone(&job);
         tokio::spawn(async move {
@@ -164,7 +170,8 @@ impl Job {
         });
     }
 
-    /// Returns the progress as events; the last one is the end. A client that stops listening before ends the job.
+    /// Returns the progress as events; the last one is the end. A client that stops listening before ends the job; one of
+    /// a tab if no other client listens after [`RETURN`].
     pub(crate) fn events(
         self: &Arc<Self>,
     ) -> Sse<impl Stream<Item = Result<Event, Infallible>> + use<>> {
@@ -207,8 +214,20 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        if !self.has_ended {
-            self.job.cancel();
+        if self.has_ended {
+            return;
+        }
+        let job = Arc::clone(&self.job);
+        match (job.span, Handle::try_current()) {
+            (Span::Tab, Ok(runtime)) => {
+                runtime.spawn(async move {
+                    tokio::time::sleep(RETURN).await;
+                    if job.progress.receiver_count() == 0 {
+                        job.cancel();
+                    }
+                });
+            }
+            _ => job.cancel(),
         }
     }
 }
@@ -237,12 +256,12 @@ mod tests {
     fn a_job_ends_with_what_came_of_it() {
         in_runtime(async {
             assert_eq!(
-                last_of(&Job::start(|| (), |_| Ok(()))).await,
+                last_of(&Job::start(Span::Page, || (), |_| Ok(()))).await,
                 Progress::Done
             );
-            let failing = Job::start(|| (), |_| Err(Refusal::value("no")));
+            let failing = Job::start(Span::Page, || (), |_| Err(Refusal::value("no")));
             assert!(matches!(last_of(&failing).await, Progress::Failed { .. }));
-            let panicking = Job::start(|| (), |_| panic!("on purpose"));
+            let panicking = Job::start(Span::Page, || (), |_| panic!("on purpose"));
             let Progress::Failed { problems } = last_of(&panicking).await else {
                 panic!("the panic was not reported");
             };
@@ -250,20 +269,44 @@ mod tests {
         });
     }
 
+    /// Returns a job that lasts until it is cancelled.
+    fn endless(span: Span) -> Arc<Job> {
+        Job::start(
+            span,
+            || (),
+            |job| {
+                while job.goes_on(0.5) {
+                    std::thread::yield_now();
+                }
+                Ok(())
+            },
+        )
+    }
+
     #[test]
-    fn a_job_whose_listener_goes_away_is_cancelled() {
+    fn a_job_of_a_page_whose_listener_goes_away_is_cancelled() {
         in_runtime(async {
-            let job = Job::start(
-                || (),
-                |job| {
-                    while job.goes_on(0.5) {
-                        std::thread::yield_now();
-                    }
-                    Ok(())
-                },
-            );
+            let job = endless(Span::Page);
             drop(job.events());
             assert_eq!(last_of(&job).await, Progress::Cancelled);
         });
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_job_of_a_tab_waits_for_the_page_that_is_loaded_again_and_not_longer() {
+        let later = async || {
+            tokio::task::yield_now().await;
+            tokio::time::advance(2 * RETURN).await;
+            tokio::task::yield_now().await;
+        };
+        let job = endless(Span::Tab);
+        drop(job.events());
+        let again = job.events();
+        later().await;
+        assert!(!job.is_cancelled());
+        drop(again);
+        assert!(!job.is_cancelled());
+        later().await;
+        assert_eq!(last_of(&job).await, Progress::Cancelled);
     }
 }

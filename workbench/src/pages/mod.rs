@@ -38,7 +38,7 @@ pub(crate) type Shared = State<Arc<Sessions>>;
 pub(crate) fn routes(sessions: Arc<Sessions>) -> Router {
     Router::new()
         .route("/sessions", post(open))
-        .route("/sessions/{session}/jobs/{job}", get(events))
+        .route("/sessions/{session}/jobs/{job}", get(events).delete(stop))
         .merge(logs::routes())
         .merge(compare::routes())
         .merge(estimate::routes())
@@ -84,7 +84,11 @@ pub(crate) fn begin_job(
 ) -> Json<Begun> {
     let worker = Arc::clone(session);
     let store = Arc::clone(&session.store);
-    let job = Job::start(move || store.take_place(), move |job| work(&worker, job));
+    let job = Job::start(
+        span,
+        move || store.take_place(),
+        move |job| work(&worker, job),
+    );
     let number = job.number;
     session.begin(span, job);
     Json(Begun { job: number })
@@ -94,6 +98,17 @@ pub(crate) fn begin_job(
 async fn open(State(sessions): Shared, Json(opening): Json<Opening>) -> Json<bool> {
     let session = sessions.open(opening);
     Json(!session.project().logs.is_empty())
+}
+
+/// Ends a job at its next step; one that has ended or given way to another stays as it is.
+async fn stop(
+    State(sessions): Shared,
+    Path((id, job)): Path<(String, u64)>,
+) -> Result<(), Refusal> {
+    if let Some(job) = session(&sessions, id)?.job(job) {
+        job.cancel();
+    }
+    Ok(())
 }
 
 async fn events(

@@ -6,6 +6,7 @@ mod process;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use axum::body::HttpBody as _;
 use axum::extract::{DefaultBodyLimit, Path, Request, State};
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::Semaphore;
 
 use crate::examples::{self, Example};
+use crate::job::RETURN;
 use crate::lock::lock;
 use crate::names::ProjectId;
 use crate::pages::JSON_BYTES_MAX;
@@ -57,8 +59,15 @@ pub(crate) struct Tabs {
     project: PathBuf,
     store: Store,
     uploads: Semaphore,
-    /// Each tab with its order of opening.
-    open: Mutex<HashMap<ProjectId, (u64, Arc<Tab>)>>,
+    open: Mutex<HashMap<ProjectId, Open>>,
+}
+
+struct Open {
+    /// Order of opening.
+    order: u64,
+    tab: Arc<Tab>,
+    /// When its page was left, unless it is loaded again.
+    left: Option<Instant>,
 }
 
 /// Returns all routes below `/api`.
@@ -69,6 +78,7 @@ pub(crate) fn routes(tabs: Arc<Tabs>) -> Router {
         .route("/examples", get(list_examples))
         .route("/sessions", post(open))
         .route("/sessions/{session}/close", post(close))
+        .route("/sessions/{session}/leave", post(leave))
         .route("/sessions/{session}/presence", get(presence))
         .route("/sessions/{session}/{*rest}", any(hand_on))
         .layer(DefaultBodyLimit::max(JSON_BYTES_MAX as usize))
@@ -112,6 +122,12 @@ async fn open(
     Json(request): Json<NewTab>,
 ) -> Result<Json<Opened>, Refusal> {
     let wanted = request.project.and_then(|id| ProjectId::try_from(id).ok());
+    if let Some(session) = wanted.as_ref().filter(|id| tabs.takes_up(id)) {
+        return Ok(Json(Opened {
+            session: session.clone(),
+            is_copy: false,
+        }));
+    }
     let tab = tabs.open(wanted.as_ref())?;
     let session = tab.id().clone();
     let has_logs = tab.begin().await.inspect_err(|_| tabs.close(&session))?;
@@ -123,6 +139,18 @@ async fn open(
 
 async fn close(State(tabs): State<Arc<Tabs>>, Path(id): Path<String>) -> Result<(), Refusal> {
     tabs.close(&session_id(id)?);
+    Ok(())
+}
+
+/// Closes a tab unless its page is loaded again soon.
+async fn leave(State(tabs): State<Arc<Tabs>>, Path(id): Path<String>) -> Result<(), Refusal> {
+    let id = session_id(id)?;
+    if tabs.set_left(&id) {
+        tokio::spawn(async move {
+            tokio::time::sleep(RETURN).await;
+            tabs.close_if_left(&id);
+        });
+    }
     Ok(())
 }
 
@@ -166,7 +194,7 @@ impl Tabs {
 
     fn get(&self, id: &ProjectId) -> Result<Arc<Tab>, Refusal> {
         let open = lock(&self.open);
-        let found = open.get(id).map(|(_, tab)| Arc::clone(tab));
+        let found = open.get(id).map(|open| Arc::clone(&open.tab));
         found.ok_or_else(|| Refusal::not_found("session"))
     }
 
@@ -178,9 +206,9 @@ impl Tabs {
         let live = wanted.and_then(|id| open.get(id));
         let stored = wanted.filter(|id| self.store.has(id));
         let opening = match (live, stored, wanted) {
-            (Some((_, live)), _, Some(id)) => Opening {
+            (Some(live), _, Some(id)) => Opening {
                 id: ProjectId::random()?,
-                copy_of: stored.cloned().or_else(|| live.copy_of().cloned()),
+                copy_of: stored.cloned().or_else(|| live.tab.copy_of().cloned()),
                 findings_of: Some(id.clone()),
                 is_again: false,
             },
@@ -198,24 +226,52 @@ impl Tabs {
             },
         };
         if open.len() >= TABS_MAX {
-            let oldest = open.iter().min_by_key(|(_, (order, _))| *order);
+            let oldest = open.iter().min_by_key(|(_, open)| open.order);
             if let Some(oldest) = oldest.map(|(id, _)| id.clone())
-                && let Some((_, tab)) = open.remove(&oldest)
+                && let Some(oldest) = open.remove(&oldest)
             {
-                tab.close();
+                oldest.tab.close();
             }
         }
-        let order = open.values().map(|(order, _)| order + 1).max().unwrap_or(0);
+        let order = open.values().map(|open| open.order + 1).max().unwrap_or(0);
         let id = opening.id.clone();
         let tab = Arc::new(Tab::new(self.worker.clone(), self.project.clone(), opening));
-        open.insert(id, (order, Arc::clone(&tab)));
+        open.insert(
+            id,
+            Open {
+                order,
+                tab: Arc::clone(&tab),
+                left: None,
+            },
+        );
         Ok(tab)
+    }
+
+    /// Takes up a tab whose page was left: it goes on with its process and its job. Returns whether there is one.
+    fn takes_up(&self, id: &ProjectId) -> bool {
+        let mut open = lock(&self.open);
+        open.get_mut(id)
+            .is_some_and(|open| open.left.take().is_some())
+    }
+
+    /// Notes that the page of a tab was left; returns whether the tab is open.
+    fn set_left(&self, id: &ProjectId) -> bool {
+        let mut open = lock(&self.open);
+        let left = open.get_mut(id).map(|open| &mut open.left);
+        left.map(|left| *left = Some(Instant::now())).is_some()
+    }
+
+    fn close_if_left(&self, id: &ProjectId) {
+        let left = lock(&self.open).get(id).and_then(|open| open.left);
+        if left.is_some_and(|since| since.elapsed() >= RETURN) {
+            self.close(id);
+        }
     }
 
     /// Ends the work of a tab and closes it; its project and its findings are kept.
     fn close(&self, id: &ProjectId) {
-        if let Some((_, tab)) = lock(&self.open).remove(id) {
-            tab.close();
+        if let Some(open) = lock(&self.open).remove(id) {
+            open.tab.close();
         }
     }
 }

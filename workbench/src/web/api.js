@@ -75,9 +75,14 @@ export async function presence() {
   }
 }
 
-/** Ends the session's work when the page closes. */
+/** Ends the session's work. */
 export function close() {
   if (session) navigator.sendBeacon(`/api/sessions/${session}/close`);
+}
+
+/** Ends the session's work unless this page is loaded again. */
+export function leave() {
+  if (session) navigator.sendBeacon(`/api/sessions/${session}/leave`);
 }
 
 const inSession = (path) => `/sessions/${session}${path}`;
@@ -102,8 +107,12 @@ export function follow(job, onProgress, signal) {
   return new Promise((resolve, reject) => {
     const events = new EventSource(address(`/jobs/${job}`));
     const end = (act) => { events.close(); act(); };
-    signal?.addEventListener("abort", () => end(() => reject(new DOMException("cancelled", "AbortError"))));
-    if (signal?.aborted) end(() => reject(new DOMException("cancelled", "AbortError")));
+    const stop = () => end(() => {
+      remove(`/jobs/${job}`).catch(() => {});
+      reject(new DOMException("cancelled", "AbortError"));
+    });
+    signal?.addEventListener("abort", stop);
+    if (signal?.aborted) stop();
     events.onerror = () => end(() => reject(new Refusal(0, [{ code: "E-PAGE-SERVER", message: "the server does not answer" }])));
     events.onmessage = (event) => {
       const progress = JSON.parse(event.data);

@@ -1,5 +1,6 @@
 // Long jobs of the server: a diagnosis, a fit, a planned experiment. One runs at a time, also while other pages are
-// shown, until this tab closes. The bar below the header shows its progress on every page.
+// shown and after the page was loaded again, until this tab closes. The bar below the header shows its progress on every
+// page.
 
 import * as api from "./api.js";
 import { button, element, fill, showMessage, showProblems } from "./dom.js";
@@ -12,6 +13,13 @@ const UNDER_WAY = "under-way";
 const bar = () => document.getElementById("jobs");
 
 let running = null;
+/** Whether the page is being closed. Its requests end before its event `pagehide`. */
+let isLeft = false;
+addEventListener("beforeunload", () => {
+  isLeft = true;
+  // A download begins with the same event.
+  setTimeout(() => { isLeft = false; }, 1000);
+});
 
 /** Returns the running job if it was begun at one of the `paths`. */
 export const runningAt = (paths) => running && paths.includes(running.path) ? running : null;
@@ -26,25 +34,37 @@ export function begin(what, path, request) {
     showMessage(`${running.what} is running. Wait for its end, or stop it.`);
     return null;
   }
-  const job = { what, path, page: view.page(), watchers: 0, errors: [], onError: null };
+  const job = {
+    what, path, page: view.page(), since: Date.now(), number: async () => (await api.post(path, request)).job,
+    watchers: 0, errors: [], onError: null,
+  };
   running = job;
-  job.ended = follow(job, request);
+  job.ended = follow(job);
   return job;
 }
 
-async function follow(job, request) {
+/** Follows the job again that ran when this page was left to be loaded again. */
+export function takeUp() {
+  const kept = JSON.parse(sessionStorage.getItem(UNDER_WAY));
+  // A copied tab has a project of its own, and no job.
+  if (kept?.project !== view.text("project")) return;
+  const job = { ...kept, number: async () => kept.number, isTakenUp: true, watchers: 0, errors: [], onError: null };
+  running = job;
+  job.ended = follow(job);
+}
+
+async function follow(job) {
   const stop = new AbortController();
   const progress = element("progress", { max: 1, value: 0, "aria-label": job.what });
   const words = element("span", {}, job.what);
   show(progress, words, button("Stop", () => stop.abort(), { class: "cancel" }));
-  sessionStorage.setItem(UNDER_WAY, job.what);
-  const begin = performance.now();
-  let isCutOff = false;
   try {
-    const begun = await api.post(job.path, request);
-    await api.follow(begun.job, (share, stage, error) => {
+    const { what, path, page, since } = job;
+    const number = await job.number();
+    sessionStorage.setItem(UNDER_WAY, JSON.stringify({ project: view.text("project"), what, path, page, since, number }));
+    await api.follow(number, (share, stage, error) => {
       progress.value = share;
-      const seconds = (performance.now() - begin) / 1000;
+      const seconds = (Date.now() - since) / 1000;
       words.textContent = `${job.what}${stage ? `: ${stage}` : ""}, ${percent(share)}, ${Math.round(seconds)} s`;
       if (!error) return;
       job.errors.push({ seconds, ...error });
@@ -54,14 +74,14 @@ async function follow(job, request) {
     if (job.watchers === 0) showEnd(job);
     return true;
   } catch (refusal) {
-    // A closing page has the same status.
-    isCutOff = refusal.status === 0;
     hide();
-    if (refusal.name !== "AbortError") showProblems(refusal, job.what);
+    // A job that is gone has no events, as a server that is gone.
+    if (refusal.status === 0 && job.isTakenUp && !isLeft) showMessage(`${job.what} was cancelled while the page was away. Start it again.`, "lasting");
+    else if (refusal.name !== "AbortError") showProblems(refusal, job.what);
     return false;
   } finally {
     running = null;
-    if (!isCutOff) sessionStorage.removeItem(UNDER_WAY);
+    if (!isLeft) sessionStorage.removeItem(UNDER_WAY);
   }
 }
 
@@ -79,11 +99,4 @@ function showEnd({ what, page }) {
   show(element("span", {}, `${what}: complete.`),
     button("Show", () => { hide(); view.go(page); }, { class: "primary", id: "show-result" }),
     button("×", hide, { class: "close", "aria-label": "Close" }));
-}
-
-/** Shows a message if the tab was loaded again during a job, which ended with it. */
-export function showInterrupted() {
-  const what = sessionStorage.getItem(UNDER_WAY);
-  sessionStorage.removeItem(UNDER_WAY);
-  if (what) showMessage(`${what} was cancelled because the page was reloaded. Start it again.`, "lasting");
 }

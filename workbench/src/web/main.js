@@ -1,9 +1,9 @@
-// Opens the session, shows the page given in the address, and closes the session when the page closes.
+// Opens the session, shows the page given in the address, and leaves the session when the page closes.
 
 import * as api from "./api.js";
 import * as connection from "./connection.js";
 import { element, fill, forgetProblems, showMessage } from "./dom.js";
-import { showInterrupted } from "./jobs.js";
+import { takeUp } from "./jobs.js";
 import * as theme from "./theme.js";
 import * as view from "./view.js";
 
@@ -110,13 +110,13 @@ document.getElementById("link").addEventListener("click", async () => {
 const header = document.querySelector(".top");
 new ResizeObserver(() => document.documentElement.style.setProperty("--header", `${header.offsetHeight}px`)).observe(header);
 theme.begin(document.getElementById("theme"), () => shown?.redraw?.());
-addEventListener("pagehide", () => api.close());
+addEventListener("pagehide", () => api.leave());
 addEventListener("pageshow", (event) => { if (event.persisted) location.reload(); });
 view.begin(show);
 try {
   await begin();
   connection.watch(restore);
-  showInterrupted();
+  takeUp();
   await show();
 } catch (error) {
   showError(error);

@@ -121,14 +121,26 @@ fn a_double_click_begins_and_does_not_cancel() {
             .until("document.querySelector('.work:not([hidden]) progress')?.value > 0")
             .await;
 
-        // A job ends with its tab, and a message states it.
+        // The job goes on while the page is loaded again, and is shown there; it can still be stopped.
         person.client.refresh().await.unwrap();
-        person
-            .until("document.getElementById('messages').textContent.includes('Diagnosis was cancelled because the page was reloaded')")
-            .await;
         person
             .until("document.body.dataset.ready === 'diagnose'")
             .await;
+        person
+            .until("document.querySelector('#jobs:not([hidden]) progress')?.value > 0")
+            .await;
+        person.client.refresh().await.unwrap();
+        person
+            .until("document.querySelector('#jobs:not([hidden]) progress')?.value > 0")
+            .await;
+        person.click("#jobs .cancel").await;
+        person.until("document.getElementById('jobs').hidden").await;
+        assert_eq!(
+            person
+                .run("return sessionStorage.getItem('under-way')")
+                .await,
+            json!(null)
+        );
     });
 }
 

@@ -282,9 +282,9 @@ fn a_comparison_or_another_plant_does_not_end_a_diagnosis() {
     assert_eq!(view["plant"], "nominal-plant.toml");
 }
 
-/// Rule 11: the diagnosis ends if the page is closed or stops listening.
+/// Rule 11: the diagnosis ends if it is stopped. It goes on for a page that is loaded again.
 #[test]
-fn a_diagnosis_ends_with_whoever_listens() {
+fn a_diagnosis_goes_on_for_a_page_that_is_loaded_again_until_it_is_stopped() {
     let bench = Bench::start();
     let browser = bench.browser();
     let session = with_leaking_log(&browser, 30.0);
@@ -294,6 +294,27 @@ fn a_diagnosis_ends_with_whoever_listens() {
     );
     let job = begun.json()["job"].as_u64().unwrap();
     drop(browser.follow(&session, job));
+    let id = session.trim_start_matches("/api/sessions/").to_owned();
+    assert_eq!(
+        browser.post(&format!("{session}/leave"), &json!({})).status,
+        200
+    );
+    let again = browser
+        .post("/api/sessions", &json!({"project": id}))
+        .json();
+    assert_eq!(again, json!({"session": id, "is_copy": false}));
+    drop(browser.follow(&session, job));
+    assert_eq!(
+        browser
+            .send(
+                "DELETE",
+                &format!("{session}/jobs/{job}"),
+                "text/plain",
+                b""
+            )
+            .status,
+        200
+    );
     // A later request for the job gets its end.
     let events = browser.get(&format!("{session}/jobs/{job}")).text();
     let last: Value = serde_json::from_str(
