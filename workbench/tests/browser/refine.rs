@@ -142,9 +142,15 @@ fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
                 "document.body.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'z', ctrlKey: true, shiftKey: {shift}, bubbles: true }}))"
             )
         };
+        // The curves of the step before fade over those of this one, and are gone then.
+        person.run("globalThis.faded = 0; new MutationObserver((list) => list.forEach((one) => one.addedNodes.forEach((node) => { \
+                globalThis.faded += node.querySelectorAll('path.js-line').length; }))).observe(document.querySelector('.over'), { childList: true })").await;
         person.run(&undo(false)).await;
         person
             .until(&format!("Math.abs({LAST_BAR} - {added}) < 1e-9"))
+            .await;
+        person
+            .until("globalThis.faded >= 3 && !document.querySelector('.past')")
             .await;
         person.run(&undo(true)).await;
         person.until(&format!("{LAST_BAR} > {added} + 1e-6")).await;

@@ -112,6 +112,7 @@ class Page {
     this.queue = this.queue.then(async () => {
       try {
         this.take(await api.post("/refine/change", { log: this.log.number, change }));
+        this.plots.fadeToNext();
         await this.simulate();
       } catch (refusal) {
         showProblems(refusal, "Change");
@@ -201,6 +202,7 @@ class Page {
     if (!isDone) return;
     try {
       this.take(await api.get(`/refine?${new URLSearchParams({ log: this.log.number })}`));
+      this.plots.fadeToNext();
       await this.simulate();
     } catch (refusal) {
       showProblems(refusal, "Fit");

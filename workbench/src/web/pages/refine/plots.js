@@ -13,13 +13,13 @@ const MARGIN = { l: 64, r: 14, t: 30, b: 44 };
 export class Plots {
   /** `onView` is called when the visible range changes. */
   constructor(log, onView) {
-    Object.assign(this, { log, onView, measurement: null, model: [], seen: "" });
+    Object.assign(this, { log, onView, measurement: null, model: [], seen: "", fades: false });
     this.chart = element("div", { class: "chart", id: "refine-plots", role: "img", "aria-label": "Measured and modelled traces" });
     this.element = element("section", { class: "card", "aria-label": "Traces" },
       element("div", { class: "row" }, element("h2", {}, "Measured and modelled"),
         element("span", { class: "row legend" }, element("span", { class: "key measured" }, "measured"), element("span", { class: "key model" }, "modelled")),
         element("span", { class: "space" }), button("Whole log", () => this.look(null, null))),
-      this.chart, element("p", { class: "quiet hint" }, "Drag to zoom, double-click for the whole log."));
+      this.over = element("div", { class: "over" }, this.chart), element("p", { class: "quiet hint" }, "Drag to zoom, double-click for the whole log."));
     this.chart.addEventListener("dblclick", () => this.look(null, null));
   }
 
@@ -44,6 +44,22 @@ export class Plots {
       this.seen = query;
     }
     await this.redraw();
+  }
+
+  /** Lets the present curves fade over those of the next step. */
+  fadeToNext() {
+    this.fades = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  }
+
+  /** Returns a copy of the present curves that fades and goes; null if they are not to fade. */
+  past() {
+    const curves = this.fades ? this.chart.querySelector(".svg-container")?.cloneNode(true) : null;
+    this.fades = false;
+    if (!curves) return null;
+    curves.classList.add("past");
+    curves.setAttribute("aria-hidden", "true");
+    curves.addEventListener("animationend", () => curves.remove());
+    return curves;
   }
 
   leave() {
@@ -71,7 +87,9 @@ export class Plots {
       const line = (trace, role, width) => ({ x: trace.t, y: trace.y, xaxis: "x", yaxis: name, mode: "lines", type: "scatter", hoverinfo: "skip", line: { color: colour(role), width } });
       return [...(measured ? [line(measured, "measured", 2)] : []), line(panel.model, "model", 1.2)];
     });
+    const past = this.past();
     await draw(this.chart, traces, plotLayout).catch((error) => showProblems(error, "Plot"));
+    if (past) this.over.append(past);
     this.watchLibrary();
   }
 
