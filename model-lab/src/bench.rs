@@ -120,13 +120,14 @@ pub(crate) fn logged(
     interval_s: f64,
     seed: u64,
 ) -> Recording {
-    logged_through(plant, (clock, interval_s), seed, &Bench::default().phases)
+    logged_through(plant, clock, interval_s, seed, &Bench::default().phases)
 }
 
 /// Returns the same as `logged`, with other commands: duration (s) with the duty cycles (%) of fill and vent valve.
 pub(crate) fn logged_through(
     plant: &PlantParameters,
-    (clock, interval_s): (LoggerClock, f64),
+    clock: LoggerClock,
+    interval_s: f64,
     seed: u64,
     phases: &[(f64, f64, f64)],
 ) -> Recording {

@@ -49,5 +49,5 @@ pub fn compare_watched(
         return Err(CompareError::Stopped);
     }
     let conditions = conditions.unwrap_or_default();
-    compare_under(parameters, (log, &conditions), options, goes_on)
+    compare_under(parameters, log, &conditions, options, goes_on)
 }

@@ -66,7 +66,8 @@ pub fn free_run(
         errors: errors.collect(),
         model: run.into_recording(
             format!("free run of the model of {}", log.provenance().source),
-            (setup.base, &measured),
+            setup.base,
+            &measured,
         )?,
     })
 }

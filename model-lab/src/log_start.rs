@@ -103,7 +103,8 @@ impl LogStart {
         &self,
         parameters: &PlantParameters,
         conditions: &Conditions,
-        (sampling, tolerance): (CurrentSampling, Tolerance),
+        sampling: CurrentSampling,
+        tolerance: Tolerance,
     ) -> Replay {
         let mut replay = Replay::new(parameters, sampling, tolerance);
         if self.is_absolute {
@@ -169,7 +170,8 @@ impl LogStart {
     pub(crate) fn correct(
         &self,
         replay: &mut Replay,
-        (row, warmth): (&Row, f64),
+        row: &Row,
+        warmth: f64,
         measured_bar: f64,
         gain: f64,
     ) {

@@ -173,9 +173,9 @@ impl<'a> Setup<'a> {
     }
 
     fn begin(&self) -> Replay {
-        let accuracy = (self.sampling, self.tolerance);
+        let conditions = &self.conditions.conditions;
         self.start
-            .begin(self.parameters, &self.conditions.conditions, accuracy)
+            .begin(self.parameters, conditions, self.sampling, self.tolerance)
     }
 
     /// Returns the pressure at `row` over that of the model, whose gas has the temperature of the wall.
@@ -251,7 +251,7 @@ impl<'a> Setup<'a> {
             let measured_bar =
                 measured_bar.map_or(f64::NAN, |measured_bar| measured_bar[row.index]);
             self.start
-                .correct(&mut replay, (&modelled, warmth), measured_bar, gain);
+                .correct(&mut replay, &modelled, warmth, measured_bar, gain);
         }
         Ok(columns)
     }
@@ -343,7 +343,8 @@ impl Columns {
     pub(crate) fn into_recording(
         self,
         source: String,
-        (base, measured): (&TimeBase, &[Measured]),
+        base: &TimeBase,
+        measured: &[Measured],
     ) -> Result<Recording, AddSignalError> {
         let provenance = Provenance::from_source(source)
             .with_note("producer", concat!("model-lab ", env!("CARGO_PKG_VERSION")));

@@ -165,10 +165,13 @@ impl SimulationStart {
         &self,
         parameters: &PlantParameters,
         conditions: &LogConditions,
-        accuracy: (CurrentSampling, Tolerance),
+        sampling: CurrentSampling,
+        tolerance: Tolerance,
     ) -> Replay {
         let conditions = self.conditions(conditions);
-        let mut replay = self.start.begin(parameters, &conditions, accuracy);
+        let mut replay = self
+            .start
+            .begin(parameters, &conditions, sampling, tolerance);
         if let Some(kelvin) = self.gas_k {
             replay.simulator().set_gas_temperature(kelvin);
         }

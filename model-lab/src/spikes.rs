@@ -289,7 +289,7 @@ mod tests {
     fn a_spike_of_a_fast_logger_may_last_for_three_samples() {
         let plant = PlantParameters::nominal();
         let clock = LoggerClock::default();
-        let log = logged_through(&plant, (clock, 1e-3), 3, &phases());
+        let log = logged_through(&plant, clock, 1e-3, 3, &phases());
         let put = [(200..203, 0.3), (1200..1202, 2.0)];
         let pressure = &measured(&plant, &spiked(&log, PRESSURE, &put))[0];
         let found: Vec<_> = pressure
@@ -308,7 +308,7 @@ mod tests {
     fn a_loose_plug_is_a_dropout() {
         let plant = PlantParameters::nominal();
         let filled = [(1.0, 0.0, 0.0), (0.2, 100.0, 0.0), (8.0, 0.0, 0.0)];
-        let log = logged_through(&plant, (LoggerClock::default(), 5e-3), 3, &filled);
+        let log = logged_through(&plant, LoggerClock::default(), 5e-3, 3, &filled);
         let mut loose = log.clone();
         for rows in [300..311, 500..503] {
             let values = loose.signal(PRESSURE).unwrap().values_or_nan();
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn a_current_rests_only_while_its_coil_is_dead() {
         let plant = PlantParameters::nominal();
-        let log = logged_through(&plant, (LoggerClock::default(), 5e-3), 3, &phases());
+        let log = logged_through(&plant, LoggerClock::default(), 5e-3, 3, &phases());
         let log = spiked(&log, "i_fill", &[(50..51, 40.0), (230..231, 40.0)]);
         let signals = measured(&plant, &log);
         let current = signals.iter().find(|one| one.name == "i_fill").unwrap();
@@ -376,7 +376,7 @@ mod tests {
             let mut rig = plant.clone();
             rig.chamber.volume_m3 *= volume;
             let clock = LoggerClock { phase_s, drift_ppm: 100.0 };
-            let log = logged_through(&rig, (clock, interval_s), seed, &phases());
+            let log = logged_through(&rig, clock, interval_s, seed, &phases());
             for signal in measured(&plant, &log) {
                 prop_assert_eq!(&signal.spikes, &Vec::new(), "{}", signal.name);
             }

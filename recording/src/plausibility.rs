@@ -278,7 +278,7 @@ impl Watch {
     ) -> Result<(), (u64, Implausible)> {
         let is_outside = self.outside.count > 0 && 2 * self.outside.count >= self.cells;
         let seen = if is_outside { &self.all } else { &self.within };
-        match self.judge_scale(seen, (name, key), at_end) {
+        match self.judge_scale(seen, name, key, at_end) {
             // No unit makes values out of bounds plausible: then these are reported.
             Err((
                 _,
@@ -303,7 +303,8 @@ impl Watch {
     fn judge_scale(
         &self,
         seen: &Extremes,
-        (name, key): (&str, impl FnOnce() -> String),
+        name: &str,
+        key: impl FnOnce() -> String,
         at_end: bool,
     ) -> Result<(), (u64, Implausible)> {
         if seen.max < seen.min {

@@ -133,7 +133,7 @@ fn compared(
 ) -> Option<Comparison> {
     let options = CompareOptions::default();
     match conditions {
-        Some(conditions) => compare_under(plant, (log, conditions), &options, &|_| true).ok(),
+        Some(conditions) => compare_under(plant, log, conditions, &options, &|_| true).ok(),
         None => compare(plant, log, &options).ok(),
     }
 }

@@ -41,7 +41,7 @@ fn compared(plant: &PlantParameters, log: &Recording) -> Comparison {
 fn as_of_ecu(plant: &PlantParameters, log: &Recording) -> Comparison {
     let conditions = LogConditions::default();
     let options = CompareOptions::default();
-    compare_under(plant, (log, &conditions), &options, &|_| true).unwrap()
+    compare_under(plant, log, &conditions, &options, &|_| true).unwrap()
 }
 
 /// Goal: with the right plant the error is the noise, whatever the logger. The currents of a fast logger were wrong by a third of their
@@ -96,7 +96,7 @@ fn a_logger_with_a_clock_of_its_own_is_compared_at_its_noise() {
 fn all_of_a_fast_log_determines_the_drift() {
     let plant = fitted();
     let phases = Bench::default().phases.repeat(2);
-    let log = logged_through(&plant, (OFF_GRID, 50e-6), 3, &phases);
+    let log = logged_through(&plant, OFF_GRID, 50e-6, 3, &phases);
     let rows = log.time_bases().next().unwrap().1.len();
     assert!(rows > 400_000, "{rows}");
     let comparison = compared(&plant, &log);

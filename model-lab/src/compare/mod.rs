@@ -40,7 +40,8 @@ const OFFSET_ROWS: usize = 12_000;
 /// comparison.
 pub fn compare_under(
     parameters: &PlantParameters,
-    (log, conditions): (&Recording, &LogConditions),
+    log: &Recording,
+    conditions: &LogConditions,
     options: &CompareOptions,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Comparison, CompareError> {
@@ -130,15 +131,18 @@ pub fn compare_under(
         free_run: with_inputs(
             free_run.into_recording(
                 format!("free run of the model of {source}"),
-                (setup.base, &measured),
+                setup.base,
+                &measured,
             )?,
-            (log, &setup),
+            log,
+            &setup,
             &commands,
         )?,
         one_step_ahead: match &predictor {
             Some(_) => one_step_ahead.into_recording(
                 format!("one-step-ahead prediction of {source}"),
-                (setup.base, &measured),
+                setup.base,
+                &measured,
             )?,
             None => Recording::default(),
         },
@@ -191,7 +195,8 @@ fn recorded(
 /// which was in force. Without missing commands, the columns are those of the log.
 fn with_inputs(
     mut run: Recording,
-    (log, setup): (&Recording, &Setup),
+    log: &Recording,
+    setup: &Setup,
     commands: &Commands,
 ) -> Result<Recording, CompareError> {
     let Some((id, _)) = run.time_bases().next() else {

@@ -96,7 +96,8 @@ fn a_sensor_lag_is_distinguished_from_the_clock_of_a_slow_logger() {
     let free_run_bar = |plant, conditions| {
         let compared = compare_under(
             plant,
-            (check, conditions),
+            check,
+            conditions,
             &CompareOptions::default(),
             &|_| true,
         );

@@ -281,7 +281,7 @@ fn the_drift_of_the_validation_log_frees_a_clock_that_is_stuck() {
         drift_ppm: -144.0,
     };
     let phases = Bench::default().phases.repeat(2);
-    let log = |seed| logged_through(&plant, (clock, 10e-3), seed, &phases);
+    let log = |seed| logged_through(&plant, clock, 10e-3, seed, &phases);
     let (mut split, _) = Split::that_shows(&plant, &[log(1)], &[log(2)]).unwrap();
     let stuck = LoggerClock::with_phase_at(0.0, 4e-3, clock.drift_ppm - 100.0);
     split.checking.logs[0].set_clock(clock.later(0.01), &plant);
@@ -319,7 +319,7 @@ fn the_block_that_shows_what_is_missing_is_fitted() {
     // The third of twelve blocks.
     check[8..12].copy_from_slice(&both);
     let logs = [(1, &log), (2, &check)].map(|(seed, phases)| {
-        let log = logged_through(&rig, (LoggerClock::default(), 0.01), seed, phases);
+        let log = logged_through(&rig, LoggerClock::default(), 0.01, seed, phases);
         pressure_alone(&log)
     });
     let library: Vec<_> = by_id("supply_resistance").into_iter().collect();

@@ -113,20 +113,20 @@ pub(super) fn refine(
         .fold(plant.clone(), |plant, (id, _)| plant.without_effect(id));
     report(watch, "the plain model", 0.0)?;
     let (mut split, plain) = Split::that_shows(&without, logs, check)?;
-    let mut steps = with_effects(&split, (&without, plain), &forms, watch)?;
+    let mut steps = with_effects(&split, &without, plain, &forms, watch)?;
     let last = &steps[steps.len() - 1];
     if last.leaves_currents() {
         let bound = CLEARLY_LESS * last.total_square();
         let other = split.with_other_sampling(&without, &steps[0], |split, there| {
             let plain = split.plain_from(&without, &there.plant())?;
-            let mut steps = with_effects(split, (&without, there), &forms, watch)?;
+            let mut steps = with_effects(split, &without, there, &forms, watch)?;
             let is_less = steps[steps.len() - 1].total_square() < bound;
             steps[0] = plain;
             Ok(is_less.then_some(steps))
         })?;
         steps = other.unwrap_or(steps);
     }
-    while let Some(again) = with_commands_again(&mut split, (&without, &steps), &forms, watch)? {
+    while let Some(again) = with_commands_again(&mut split, &without, &steps, &forms, watch)? {
         steps = again;
     }
     let bench = split.bench(&without, &[]);
@@ -172,7 +172,8 @@ pub(super) fn refine(
 /// Returns the fitted plant `plain`, and one trial per effect, each in the best of its `forms` on top of those before it.
 fn with_effects(
     split: &Split,
-    (plant, plain): (&PlantParameters, Trial),
+    plant: &PlantParameters,
+    plain: Trial,
     forms: &[Vec<EffectSetting>],
     watch: Watch,
 ) -> Result<Vec<Trial>, DiagnoseError> {
@@ -193,7 +194,8 @@ fn with_effects(
 /// the trials of [`with_effects`] with them; none, with unchanged logs, if they do not leave clearly less.
 fn with_commands_again(
     split: &mut Split,
-    (plant, steps): (&PlantParameters, &[Trial]),
+    plant: &PlantParameters,
+    steps: &[Trial],
     forms: &[Vec<EffectSetting>],
     watch: Watch,
 ) -> Result<Option<Vec<Trial>>, DiagnoseError> {
@@ -207,7 +209,7 @@ fn with_commands_again(
         return Ok(None);
     };
     let plain = split.plain_from(plant, &there)?;
-    let again = with_effects(split, (plant, plain), forms, watch)?;
+    let again = with_effects(split, plant, plain, forms, watch)?;
     if again[again.len() - 1].total_square() < CLEARLY_LESS * last.total_square() {
         return Ok(Some(again));
     }

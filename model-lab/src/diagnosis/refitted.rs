@@ -135,8 +135,8 @@ impl<'a> Refitted<'a> {
         let (equivalents, distinguishability) = assemble::equivalents(&found);
         search::report(watch, "where the error is", 0.0)?;
         split.take_conditions(plain);
-        let given = assemble::regimes(&plant, (logs, &split.fitting.logs))?;
-        let before = assemble::regimes(&plain.plant(), (logs, &split.fitting.logs))?;
+        let given = assemble::regimes(&plant, logs, &split.fitting.logs)?;
+        let before = assemble::regimes(&plain.plant(), logs, &split.fitting.logs)?;
         let with_plain = split.found_conditions();
         split.take_conditions(last);
         let conditions = with_plain.into_iter().zip(split.found_conditions());
@@ -144,7 +144,7 @@ impl<'a> Refitted<'a> {
             .map(|((source, plain), (_, refined))| (source, FittedConditions { plain, refined }))
             .collect();
         let after = if found.steps.len() > 1 {
-            assemble::regimes(&last.plant(), (logs, &split.fitting.logs))?
+            assemble::regimes(&last.plant(), logs, &split.fitting.logs)?
         } else {
             before.clone()
         };

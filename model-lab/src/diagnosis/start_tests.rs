@@ -153,7 +153,7 @@ fn gas_is_as_warm_after_a_gap_as_the_pressures_show() {
         (0.6, 0.0, 100.0),
         (4.0, 0.0, 0.0),
     ];
-    let log = logged_through(&plant, (LoggerClock::default(), 2e-3), 3, &phases);
+    let log = logged_through(&plant, LoggerClock::default(), 2e-3, 3, &phases);
     // Without rows from 1.1 to 2.6 s, 0.6 s after the end of the filling, and at the end of the venting.
     let log = without_rows(&without_rows(&log, 3_200..3_400), 550..1_300);
     let evidence = gather(&plant, [&log]).unwrap();

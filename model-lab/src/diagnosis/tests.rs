@@ -333,7 +333,7 @@ fn the_place_of_an_error_is_sought_with_the_clock_that_was_found() {
     let mut evidence = gather(&plant, [&log]).unwrap();
     fit_conditions(&plant, &mut evidence);
     let logs = core::slice::from_ref(&log);
-    for regime in regimes(&plant, (logs, &evidence.logs)).unwrap() {
+    for regime in regimes(&plant, logs, &evidence.logs).unwrap() {
         assert_eq!(regime.regime, None, "{regime:?}");
     }
 }

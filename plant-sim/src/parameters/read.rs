@@ -148,7 +148,7 @@ impl Reader<'_> {
             let line = self.file.line_of_key(table, key);
             let name = format!("{section}.{key}");
             if (section, key) == (SECOND_CHAMBER, SENSOR) {
-                if let Some(place) = self.choice((line, name), item, &SENSOR_PLACES) {
+                if let Some(place) = self.choice(line, name, item, &SENSOR_PLACES) {
                     self.parameters.second_chamber.sensor = place;
                 }
                 continue;
@@ -157,7 +157,7 @@ impl Reader<'_> {
                 && let Some(valve) = PROPORTIONAL.iter().position(|table| *table == section)
             {
                 self.parameters.proportional_mut(valve).lag_of =
-                    self.choice((line, name), item, &LAGS);
+                    self.choice(line, name, item, &LAGS);
                 continue;
             }
             let Some(spec) = specs.iter().copied().find(|spec| spec.key == key) else {
@@ -209,7 +209,8 @@ impl Reader<'_> {
     /// Reads one of these words; records a problem where it is another one.
     fn choice<T: Copy>(
         &mut self,
-        (line, key): (usize, String),
+        line: usize,
+        key: String,
         item: &Item,
         choices: &[(&'static str, T)],
     ) -> Option<T> {
@@ -331,7 +332,7 @@ impl Reader<'_> {
                 });
                 continue;
             }
-            if let Some(function) = self.choice((line, name), item, &FUNCTIONS) {
+            if let Some(function) = self.choice(line, name, item, &FUNCTIONS) {
                 self.parameters.functions[index] = function;
             }
         }

@@ -35,8 +35,10 @@ impl Lifts {
     pub(super) fn follow<const N: usize, const M: usize>(
         &mut self,
         valve: &Valve,
-        (span, slot): (&Span<N, M>, usize),
-        (taken, end): (f64, &[f64; N]),
+        span: &Span<N, M>,
+        slot: usize,
+        taken: f64,
+        end: &[f64; N],
     ) {
         if self.is_counted {
             return;

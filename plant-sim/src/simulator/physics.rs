@@ -202,7 +202,8 @@ pub(super) trait Physics: Sized {
         &mut self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
-        (taken, end): (f64, &[f64; N]),
+        taken: f64,
+        end: &[f64; N],
         state: &mut PlantState,
         charge: &mut [f64; 2],
     ) {

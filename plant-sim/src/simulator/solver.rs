@@ -435,7 +435,7 @@ impl<P: Physics> Solver<P> {
         self.state.pressure = end[0];
         for (slot, &index) in smooth.live.iter().enumerate() {
             let valve = &self.physics.plant().valves[index];
-            self.lifts[index].follow(valve, (span, slot), (taken, end));
+            self.lifts[index].follow(valve, span, slot, taken, end);
         }
         for index in [FILL, VENT] {
             if !smooth.live.contains(&index) {
@@ -445,7 +445,8 @@ impl<P: Physics> Solver<P> {
         self.physics.after_step_of_valves(
             smooth,
             span,
-            (taken, end),
+            taken,
+            end,
             &mut self.state,
             &mut self.charge,
         );

@@ -13,7 +13,8 @@ impl Draft {
     /// open.
     pub(super) fn mapping_text(
         &self,
-        (source, given): (&str, Option<&str>),
+        source: &str,
+        given: Option<&str>,
         missing: &[&str],
         states_reference: bool,
     ) -> Option<String> {

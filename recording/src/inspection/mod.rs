@@ -287,10 +287,10 @@ impl Draft {
         let (found, missing): (Vec<&str>, Vec<&str>) =
             NEEDED.iter().partition(|signal| self.has(signal));
         let open = self.open(&missing);
-        let mapping = self.mapping_text((&source, given), &missing, false);
+        let mapping = self.mapping_text(&source, given, &missing, false);
         let states_reference = self.columns.iter().any(|column| column.needs_reference);
         let mapping_with_reference = (states_reference && reference.is_some())
-            .then(|| self.mapping_text((&source, given), &missing, true))
+            .then(|| self.mapping_text(&source, given, &missing, true))
             .flatten();
         let given_words = options.mapping.missing.iter();
         let missing_words = given_words.chain(&self.missing_words).cloned().collect();
@@ -312,7 +312,7 @@ impl Draft {
             false => reference,
         };
         let text = mapping.as_deref().or(given);
-        let trial = try_to_read((&source, path), text, reference, options);
+        let trial = try_to_read(&source, path, text, reference, options);
         let needs_reference = mapping.is_none() && states_reference;
         let duration_s = self.duration_s();
         let columns = self
@@ -399,7 +399,8 @@ impl Draft {
 
 /// Reads the log with the mapping, as a command does.
 fn try_to_read(
-    (source, path): (&str, &Path),
+    source: &str,
+    path: &Path,
     mapping: Option<&str>,
     reference: Option<PressureReference>,
     options: &LogOptions,

@@ -66,12 +66,7 @@ fn read_located<R: Read + Seek>(
     let candidates = Candidates::of(&mut blocks, &file)?;
     let choice = Choice::of(&candidates, mapping)?;
     let recording = Recording::new(notes::provenance(source_name, &file));
-    let mut recording = read_chosen(
-        &mut blocks,
-        &file,
-        (&candidates, &choice),
-        (recording, mapping),
-    )?;
+    let mut recording = read_chosen(&mut blocks, &file, &candidates, &choice, recording, mapping)?;
     recording.provenance_mut().input = Some(identity(&mut blocks)?);
     Ok(recording)
 }
@@ -80,8 +75,10 @@ fn read_located<R: Read + Seek>(
 pub(super) fn read_chosen<R: Read + Seek>(
     blocks: &mut Blocks<R>,
     file: &File,
-    (candidates, choice): (&Candidates, &Choice),
-    (mut recording, mapping): (Recording, &Mapping),
+    candidates: &Candidates,
+    choice: &Choice,
+    mut recording: Recording,
+    mapping: &Mapping,
 ) -> Result<Recording, Located> {
     for (_, left_out) in &choice.left_out {
         recording.leave_out(&left_out.name, &left_out.reason);
@@ -91,7 +88,7 @@ pub(super) fn read_chosen<R: Read + Seek>(
         mapping,
         has_lost_group: false,
     };
-    builder.add_data(blocks, file, (candidates, choice))?;
+    builder.add_data(blocks, file, candidates, choice)?;
     builder.finish()?;
     Ok(builder.recording)
 }
@@ -109,7 +106,8 @@ impl Builder<'_> {
         &mut self,
         blocks: &mut Blocks<R>,
         file: &File,
-        (candidates, choice): (&Candidates, &Choice),
+        candidates: &Candidates,
+        choice: &Choice,
     ) -> Result<(), Located> {
         let mut columns: BTreeMap<usize, Vec<&Column>> = BTreeMap::new();
         for column in &choice.columns {

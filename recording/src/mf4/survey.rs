@@ -75,8 +75,8 @@ pub(crate) fn survey<R: Read + Seek>(
         left_out: Vec::new(),
     };
     let empty = Recording::new(Provenance::default());
-    let numbers = (empty, &Mapping::default());
-    let read = read_chosen(&mut blocks, &file, (&candidates, &choice), numbers);
+    let plain = Mapping::default();
+    let read = read_chosen(&mut blocks, &file, &candidates, &choice, empty, &plain);
     let (numbers, obstacle) = match read {
         Ok(recording) => (recording, None),
         Err((_, problem)) => (Recording::default(), Some(problem.to_string())),

@@ -144,7 +144,8 @@ impl Finder {
         let begin = self.columns.len();
         add_array(
             &mut self.columns,
-            (path, &header_of(path)),
+            path,
+            &header_of(path),
             &dimensions,
             values,
         );

@@ -181,7 +181,7 @@ impl Finder {
                 }
                 let dimensions: Vec<u64> = dimensions.iter().map(|&length| length as u64).collect();
                 let header = header_of(&path);
-                add_array(&mut self.columns, (&path, &header), &dimensions, values);
+                add_array(&mut self.columns, &path, &header, &dimensions, values);
                 self.budget.check_columns(self.columns.len())?;
             }
             1 => self.refuse(&path, "a cell array"),

@@ -8,7 +8,8 @@ pub(super) const PATH_BYTES_MAX: usize = 256;
 /// Adds the columns of an array. `dimensions` are those of MATLAB, and its numbers vary fastest along the first one.
 pub(super) fn add_array(
     columns: &mut Vec<NumberColumn>,
-    (path, header): (&str, &str),
+    path: &str,
+    header: &str,
     dimensions: &[u64],
     numbers: Vec<f64>,
 ) {
@@ -62,7 +63,7 @@ mod tests {
 
     fn shown(dimensions: &[u64], numbers: &[f64]) -> Vec<(String, Option<Vec<f64>>)> {
         let mut columns = Vec::new();
-        add_array(&mut columns, ("log.a", "a"), dimensions, numbers.to_vec());
+        add_array(&mut columns, "log.a", "a", dimensions, numbers.to_vec());
         columns
             .into_iter()
             .map(|column| (column.key, column.numbers.ok()))

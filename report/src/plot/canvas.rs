@@ -58,7 +58,8 @@ pub(super) fn figure(
         sheet.area.present()?;
     }
     Ok(Figure::from_backend(
-        (width_px, height_px),
+        width_px,
+        height_px,
         description.into(),
         &text,
     ))

@@ -36,7 +36,8 @@ pub(crate) struct Figure {
 impl Figure {
     /// Creates the figure from the backend's output, without its outermost element and with the font stated once.
     pub(super) fn from_backend(
-        (width_px, height_px): (i32, i32),
+        width_px: i32,
+        height_px: i32,
         description: String,
         text: &str,
     ) -> Self {

@@ -151,8 +151,8 @@ fn rows_and_commands_of_a_slow_logger_show_the_delay() {
     let pulses: Vec<_> = pulses.into_iter().cycle().take(120).collect();
     let logs = [(0.4e-3, 1), (6.2e-3, 2)].map(|(phase_s, seed)| {
         let drift_ppm = 70.0;
-        let logger = (LoggerClock { phase_s, drift_ppm }, 27e-3);
-        pressure_alone(&logged_through(&rig, logger, seed, &pulses))
+        let clock = LoggerClock { phase_s, drift_ppm };
+        pressure_alone(&logged_through(&rig, clock, 27e-3, seed, &pulses))
     });
     let [fitted, check] = logs;
     let found = estimated(&given, &[fitted], &[check]);
@@ -345,7 +345,7 @@ fn on_off_valves_known_from_data_sheets_are_estimated() {
             phase_s,
             drift_ppm: 60.0,
         };
-        pressure_alone(&logged_through(&rig, (clock, 10e-3), seed, &phases))
+        pressure_alone(&logged_through(&rig, clock, 10e-3, seed, &phases))
     });
     let found = estimated(&sheet, &[fitted], &[check]);
     assert_is_estimated(&found.estimation, &rig);
@@ -410,8 +410,8 @@ fn proportional_log(rig: &PlantParameters, seed: u64) -> Recording {
         .cycle()
         .take(64)
         .collect();
-    let logger = (LoggerClock::default(), 5e-3);
-    pressure_alone(&logged_through(rig, logger, seed, &phases))
+    let clock = LoggerClock::default();
+    pressure_alone(&logged_through(rig, clock, 5e-3, seed, &phases))
 }
 
 /// Defect seen: pulses of 1.76 and 1.80 ms lay around a delay, on one side of which the fit stayed: 81 % of the error was explained by the
@@ -434,14 +434,8 @@ fn a_delay_is_found_across_the_lengths_of_pulses() {
         })
         .collect();
     let clock = LoggerClock::default();
-    let [fitted, check] = [1, 2].map(|seed| {
-        pressure_alone(&logged_through(
-            &rig,
-            (clock, 5e-3),
-            seed,
-            &phases.repeat(2),
-        ))
-    });
+    let [fitted, check] = [1, 2]
+        .map(|seed| pressure_alone(&logged_through(&rig, clock, 5e-3, seed, &phases.repeat(2))));
     let found = estimated(&sheet, &[fitted], &[check]);
     let delay = parameter(&found, name);
     assert!((delay.after - 7.1e-3).abs() < 0.1e-3, "{delay:?}");

@@ -19,7 +19,7 @@ use plant_sim::{PlantParameters, Tolerance};
 
 use crate::conditions::Conditions;
 use crate::result::Horizon;
-use log::{Channel, Log, Residuals};
+use log::{Channel, Log, Residuals, Simulation, Timing};
 use unknowns::Unknowns;
 
 /// All logs of one kind: for training or for validation.
@@ -200,8 +200,12 @@ impl Evidence {
             .iter()
             .zip(conditions)
             .try_for_each(|(log, conditions)| {
-                let timing = (conditions, log.issued_ns());
-                log.residuals_into(parameters, timing, (horizon, tolerance), &mut all)
+                let timing = Timing {
+                    conditions,
+                    issued_ns: log.issued_ns(),
+                };
+                let simulation = Simulation { horizon, tolerance };
+                log.residuals_into(parameters, timing, simulation, &mut all)
             });
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let elapsed_ns = begin.elapsed().as_nanos() as u64;

@@ -285,7 +285,7 @@ impl Bench<'_> {
         } else {
             base.checked_conditions.clone()
         };
-        self.judge_under(conditions, (effects, unknowns, fit))
+        self.judge_under(conditions, effects, unknowns, fit)
     }
 
     pub(crate) fn judge(
@@ -295,14 +295,16 @@ impl Bench<'_> {
         fit: Fit,
     ) -> Option<Trial> {
         let conditions = self.checked_conditions(&unknowns, &fit.z);
-        self.judge_under(conditions, (effects, unknowns, fit))
+        self.judge_under(conditions, effects, unknowns, fit)
     }
 
     /// Validates a fit on the logs under these `conditions`.
     fn judge_under(
         &self,
         conditions: Vec<Conditions>,
-        (effects, unknowns, fit): (Vec<EffectSetting>, Unknowns, Fit),
+        effects: Vec<EffectSetting>,
+        unknowns: Unknowns,
+        fit: Fit,
     ) -> Option<Trial> {
         let plant = unknowns.plant(&fit.z);
         let horizon = self.fitting.horizon;

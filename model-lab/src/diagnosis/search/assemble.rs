@@ -240,12 +240,13 @@ pub(crate) fn nuisance(bench: &Bench, plain: &Trial, last: &Trial) -> Vec<Nuisan
 /// Returns the regime with most of the excess of each signal; `seen` are the same logs with their conditions.
 pub(crate) fn regimes(
     plant: &PlantParameters,
-    (logs, seen): (&[Recording], &[Log]),
+    logs: &[Recording],
+    seen: &[Log],
 ) -> Result<Vec<Regime>, DiagnoseError> {
     let mut regimes = Vec::new();
     for (log, seen) in logs.iter().zip(seen) {
         let (conditions, options) = (seen.found(), CompareOptions::default());
-        let comparison = compare_under(plant, (log, &conditions), &options, &|_| true)?;
+        let comparison = compare_under(plant, log, &conditions, &options, &|_| true)?;
         for signal in comparison.signals {
             regimes.push(Regime {
                 log: comparison.log.clone(),

@@ -29,7 +29,7 @@ pub(super) fn chain_from(
         }
     }
     let first = pair.first.added();
-    let rivals = rivals(bench, (first, &pair.last), &pair.other, watch)?;
+    let rivals = rivals(bench, first, &pair.last, &pair.other, watch)?;
     Ok(Some(Chain {
         rivals: vec![rivals, pair.tried],
         steps: vec![pair.first, pair.last],
@@ -66,8 +66,7 @@ fn longer_chain(
         return Ok(None);
     }
     let of_steps = steps.iter().zip(&withouts);
-    let rivals =
-        of_steps.map(|(step, without)| rivals(bench, (step.added(), last), without, watch));
+    let rivals = of_steps.map(|(step, without)| rivals(bench, step.added(), last, without, watch));
     let mut rivals = rivals.collect::<Result<Vec<_>, _>>()?;
     rivals.extend(added);
     Ok(Some(Chain { steps, rivals }))
@@ -88,8 +87,8 @@ fn extend(
         }
         let tried = try_all(bench, last, Effort::Search, "further effects", watch)?;
         // One that makes an earlier one unnecessary leaves that one's size open.
-        let next = best_step(bench, plain, (last, &tried))
-            .or_else(|| best_step(bench, last, (last, &tried)));
+        let next =
+            best_step(bench, plain, last, &tried).or_else(|| best_step(bench, last, last, &tried));
         let Some(next) = next.filter(|next| next.is_further_than(last)) else {
             break;
         };
@@ -126,7 +125,8 @@ fn left_out(bench: &Bench, steps: &[Trial], place: usize) -> Option<Vec<Trial>> 
 /// Tries every other effect in the place of `named`: each on top of `without`, which is `last` without that effect.
 fn rivals(
     bench: &Bench,
-    (named, last): (&'static str, &Trial),
+    named: &'static str,
+    last: &Trial,
     without: &Trial,
     watch: Watch,
 ) -> Result<Vec<Tried>, DiagnoseError> {

@@ -34,6 +34,12 @@ pub(crate) enum Extent {
     One,
 }
 
+/// Plain plant, and each effect alone on top of it.
+struct First {
+    plain: Trial,
+    singles: Vec<Tried>,
+}
+
 /// Finds what `plain`, the refitted plant, lacks.
 pub(crate) fn find(
     split: &mut Split,
@@ -43,7 +49,7 @@ pub(crate) fn find(
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
     let base = plain.clone();
-    find_on(split, plant, library, (plain, &base), watch)
+    find_on(split, plant, library, plain, &base, watch)
 }
 
 /// Finds what the plant lacks in the errors of the free run, where errors add up that are within the noise one step ahead. `predicted` was
@@ -73,7 +79,7 @@ pub(crate) fn find_in_free_run(
     }
     // What the fit in free run takes away is correlated over the whole log; an effect does not have to show beside it.
     base.correlation_samples = plain.correlation_samples;
-    let found = find_on(split, plant, library, (plain, &base), watch)?;
+    let found = find_on(split, plant, library, plain, &base, watch)?;
     if matches!(found.verdict(), Verdict::Found | Verdict::Adequate) {
         return Ok(Some(found));
     }
@@ -87,10 +93,12 @@ fn find_on(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (mut plain, mut base): (Trial, &Trial),
+    mut plain: Trial,
+    base: &Trial,
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
     let wide = widened(&split.bench(plant, library), &plain, watch)?;
+    let mut base = base;
     if let Some(wide) = &wide
         && wide.total_square() < CLEARLY_LESS * plain.total_square()
         && wide.is_inside(&plain)
@@ -100,7 +108,7 @@ fn find_on(
         base = &plain;
     }
     let adequate = wide.filter(|wide| wide.leaves_little() && !wide.is_inside(&plain));
-    let found = select_from(split, plant, library, (plain.clone(), base), watch)?;
+    let found = select_from(split, plant, library, plain.clone(), base, watch)?;
     if let Some(wide) = adequate.filter(|wide| !found.is_better_than(wide)) {
         let outside = wide.outside(&plain);
         let mut values = outside.iter().map(|value| (&value.name, value.value));
@@ -111,7 +119,7 @@ fn find_on(
         }
         let rival = is_as_good.then(|| found.last().clone());
         let base = wide.clone();
-        let wide = select_from(split, plant, library, (wide, &base), watch)?;
+        let wide = select_from(split, plant, library, wide, &base, watch)?;
         return Ok(wide.beyond(plain, rival));
     }
     Ok(found)
@@ -132,7 +140,8 @@ fn select_from(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (mut plain, base): (Trial, &Trial),
+    mut plain: Trial,
+    base: &Trial,
     watch: Watch,
 ) -> Result<Selection, DiagnoseError> {
     let again = match plain.is_material() {
@@ -151,7 +160,7 @@ fn select_from(
     let best = singles.iter().find_map(|tried| tried.trial.as_ref());
     if let Some(best) = best.filter(|best| plain.is_material() && best.is_material()) {
         if best.fitted.is_material()
-            && let Some((there, best)) = assigned_with(split, (plant, library), best)
+            && let Some((there, best)) = assigned_with(split, plant, library, best)
         {
             plain = split.plain_from(plant, &there)?;
             singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
@@ -162,22 +171,24 @@ fn select_from(
             judge_anew(&bench, &mut singles);
         }
     }
-    if let Some(other) = from_place_of_best(split, plant, library, (&plain, &singles), watch)? {
-        (plain, singles) = other;
+    let mut first = First { plain, singles };
+    if let Some(other) = from_place_of_best(split, plant, library, &first, watch)? {
+        first = other;
     }
     // A choice that leaves less may be the wrong one again, from which the right one is found.
-    while leaves_currents(&plain, &singles)
-        && let Some(other) = taken_otherwise(split, plant, library, (&plain, &singles), watch)?
+    while first.leaves_currents()
+        && let Some(other) = taken_otherwise(split, plant, library, &first, watch)?
     {
-        (plain, singles) = other;
+        first = other;
     }
+    let First { plain, singles } = first;
     let bench = split.bench(plant, library);
     let mut found = selection::forward_selection(&bench, plain, singles, watch)?;
     if found.verdict() != Verdict::NotInLibrary {
         return Ok(found);
     }
     if let Some(nearest) = found.nearest.take()
-        && let Some(again) = selected_by(split, plant, library, (&found, &nearest), watch)?
+        && let Some(again) = selected_by(split, plant, library, &found, &nearest, watch)?
     {
         return Ok(again);
     }
@@ -198,7 +209,8 @@ fn select_from(
 /// does not change.
 fn assigned_with(
     split: &mut Split,
-    (plant, library): (&PlantParameters, &[&'static dyn Effect]),
+    plant: &PlantParameters,
+    library: &[&'static dyn Effect],
     best: &Trial,
 ) -> Option<(PlantParameters, Trial)> {
     let mut last: Option<(PlantParameters, Trial)> = None;
@@ -238,12 +250,13 @@ fn selected_by(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (found, nearest): (&Selection, &Trial),
+    found: &Selection,
+    nearest: &Trial,
     watch: Watch,
 ) -> Result<Option<Selection>, DiagnoseError> {
     let before = split.logs();
     let (plain, singles) = if nearest.fitted.is_material()
-        && let Some((there, _)) = assigned_with(split, (plant, library), nearest)
+        && let Some((there, _)) = assigned_with(split, plant, library, nearest)
     {
         let plain = split.plain_from(plant, &there)?;
         let singles = selection::singles(&split.bench(plant, library), &plain, watch)?;
@@ -283,10 +296,11 @@ fn from_place_of_best(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (plain, singles): (&Trial, &[Tried]),
+    first: &First,
     watch: Watch,
-) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
-    let best = singles.iter().find_map(|tried| tried.trial.as_ref());
+) -> Result<Option<First>, DiagnoseError> {
+    let plain = &first.plain;
+    let best = first.singles.iter().find_map(|tried| tried.trial.as_ref());
     let Some(best) = best.filter(|_| plain.is_material()) else {
         return Ok(None);
     };
@@ -300,15 +314,20 @@ fn from_place_of_best(
         return Ok(None);
     }
     let singles = selection::singles(&split.bench(plant, library), &again, watch)?;
-    Ok(Some((again, singles)))
+    Ok(Some(First {
+        plain: again,
+        singles,
+    }))
 }
 
-/// Whether neither `plain` nor an effect alone explains the currents.
-fn leaves_currents(plain: &Trial, singles: &[Tried]) -> bool {
-    let trials = singles.iter().filter_map(|tried| tried.trial.as_ref());
-    core::iter::once(plain)
-        .chain(trials)
-        .all(Trial::leaves_currents)
+impl First {
+    /// Whether neither the plain plant nor an effect alone explains the currents.
+    fn leaves_currents(&self) -> bool {
+        let trials = self.singles.iter().filter_map(|tried| tried.trial.as_ref());
+        core::iter::once(&self.plain)
+            .chain(trials)
+            .all(Trial::leaves_currents)
+    }
 }
 
 /// The plain plant and every effect alone with the currents taken the other way, as means or as values of an instant, where that leaves
@@ -317,19 +336,19 @@ fn taken_otherwise(
     split: &mut Split,
     plant: &PlantParameters,
     library: &[&'static dyn Effect],
-    (plain, singles): (&Trial, &[Tried]),
+    first: &First,
     watch: Watch,
-) -> Result<Option<(Trial, Vec<Tried>)>, DiagnoseError> {
+) -> Result<Option<First>, DiagnoseError> {
     let least = |plain: &Trial, singles: &[Tried]| {
         let costs = singles.iter().map(Tried::cost);
         costs.fold(plain.total_square(), f64::min)
     };
-    let bound = CLEARLY_LESS * least(plain, singles);
+    let bound = CLEARLY_LESS * least(&first.plain, &first.singles);
     let of_coils = library.iter().copied();
     let of_coils: Vec<_> = of_coils
         .filter(|&effect| shows_in_currents(effect))
         .collect();
-    split.with_other_sampling(plant, plain, |split, there| {
+    split.with_other_sampling(plant, &first.plain, |split, there| {
         let bench = split.bench(plant, &of_coils);
         let mut alone = try_all(&bench, &there, Effort::Search, "single effects", watch)?;
         let plain = split.plain_from(plant, &there.plant())?;
@@ -341,7 +360,10 @@ fn taken_otherwise(
             &plain,
             watch,
         )?);
-        Ok(Some((plain, best_forms(alone))))
+        Ok(Some(First {
+            plain,
+            singles: best_forms(alone),
+        }))
     })
 }
 
@@ -404,7 +426,7 @@ mod tests {
                 phase_s: 4.3e-3,
                 drift_ppm: -68.0,
             };
-            let log = logged_through(&rig, (clock, 20e-3), seed, &phases.repeat(15));
+            let log = logged_through(&rig, clock, 20e-3, seed, &phases.repeat(15));
             pressure_alone(&log)
         });
         let (mut split, _) = Split::that_shows(&plant, &[log], &[check]).unwrap();
@@ -420,7 +442,7 @@ mod tests {
             .unwrap();
         let samples = split.fitting.counted_samples();
         assert!(begun.fit.cost > 2.0 * samples, "{}", begun.fit.cost);
-        let (_, found) = assigned_with(&mut split, (&plant, &library), &begun).unwrap();
+        let (_, found) = assigned_with(&mut split, &plant, &library, &begun).unwrap();
         assert!(found.fit.cost < 1.1 * samples, "{}", found.fit.cost);
     }
 
@@ -431,7 +453,8 @@ mod tests {
         let plant = PlantParameters::nominal();
         let log = logged_through(
             &plant,
-            (LoggerClock::default(), 0.01),
+            LoggerClock::default(),
+            0.01,
             1,
             &[
                 (0.5, 0.0, 0.0),
@@ -483,7 +506,8 @@ mod tests {
             };
             pressure_alone(&logged_through(
                 &rig,
-                (clock, interval_s),
+                clock,
+                interval_s,
                 seed,
                 &phases.repeat(6),
             ))
@@ -513,7 +537,7 @@ mod tests {
         let singles = selection::singles(&bench, &plain, &watch).unwrap();
         let found = selection::forward_selection(&bench, plain, singles, &watch).unwrap();
         assert_ne!(found.verdict(), Verdict::Found);
-        let again = selected_by(&mut split, &plant, &library, (&found, &nearest), &watch).unwrap();
+        let again = selected_by(&mut split, &plant, &library, &found, &nearest, &watch).unwrap();
         let named: Vec<_> = again.unwrap().steps[1..].iter().map(Trial::added).collect();
         assert_eq!(named.len(), 2, "{named:?}");
     }

@@ -19,7 +19,8 @@ pub(super) fn best_credible(bench: &Bench, plain: &Trial, tried: &[Tried]) -> Op
 pub(super) fn best_step(
     bench: &Bench,
     plain: &Trial,
-    (base, tried): (&Trial, &[Tried]),
+    base: &Trial,
+    tried: &[Tried],
 ) -> Option<Trial> {
     best(base, tried, |trial| {
         if trial.explains(plain) {

@@ -138,7 +138,7 @@ fn pair_on(
         return Ok(None);
     }
     let tried = try_all(bench, &first, Effort::Search, "pairs of effects", watch)?;
-    let Some(last) = best_step(bench, plain, (&first, &tried)) else {
+    let Some(last) = best_step(bench, plain, &first, &tried) else {
         return Ok(None);
     };
     let second = last.added();

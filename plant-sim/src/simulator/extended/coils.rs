@@ -170,7 +170,8 @@ impl Extended {
         &mut self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
-        (taken, end): (f64, &[f64; N]),
+        taken: f64,
+        end: &[f64; N],
         charge: &mut [f64; 2],
     ) {
         let additions = &self.plant.additions;

@@ -305,11 +305,12 @@ impl Physics for Extended {
         &mut self,
         smooth: &Smooth<M>,
         span: &Span<N, M>,
-        (taken, end): (f64, &[f64; N]),
+        taken: f64,
+        end: &[f64; N],
         state: &mut PlantState,
         charge: &mut [f64; 2],
     ) {
-        self.commit_charge(smooth, span, (taken, end), charge);
+        self.commit_charge(smooth, span, taken, end, charge);
         let coils = self.coils(smooth, end, [0.0; 2]);
         for slot in 0..M {
             let (index, first) = (smooth.live[slot], first_of(slot));

@@ -169,11 +169,12 @@ pub(crate) fn run(task: Task) -> Result<Simulation, Failure> {
         Some(_) => interrupt::flag()?,
     };
     let out = out.as_deref().map(|path| (path, existing));
-    simulate((&plant, &start), &name, rows, out, is_interrupted)
+    simulate(&plant, &start, &name, rows, out, is_interrupted)
 }
 
 fn simulate(
-    (plant, given): (&NamedPlant, &[Assignment]),
+    plant: &NamedPlant,
+    given: &[Assignment],
     log: &str,
     mut rows: Rows<impl Read>,
     out: Option<(&Path, Existing)>,
@@ -263,9 +264,8 @@ impl<'a> Model<'a> {
         conditions: &'a LogConditions,
     ) -> Self {
         let sampling = conditions.sampling(begin.current_interval_s, parameters);
-        let accuracy = (sampling, Tolerance::default());
         Self {
-            replay: start.begin(parameters, conditions, accuracy),
+            replay: start.begin(parameters, conditions, sampling, Tolerance::default()),
             start,
             conditions,
             sampling,

@@ -6,7 +6,7 @@ use plant_sim::logger_clock::LoggerClock;
 use plant_sim::replay::{Replay, Row};
 use plant_sim::{Command, PlantParameters, Tolerance};
 
-use super::Log;
+use super::{Log, Timing};
 
 use crate::conditions::{Conditions, shown_log_ns};
 use crate::result::Horizon;
@@ -44,7 +44,7 @@ impl Log {
         };
         let mut issued_ns = self.issued_ns.clone();
         for _ in 0..PASSES {
-            self.assign_by_model(clock, (parameters, Changes::Two), &mut issued_ns);
+            self.assign_by_model(clock, parameters, Changes::Two, &mut issued_ns);
         }
         self.issued_ns = issued_ns;
     }
@@ -77,7 +77,7 @@ impl Log {
             .collect();
         self.assign_first_by_model(clock, parameters, &mut issued_ns);
         if self.is_slow() {
-            self.assign_by_model(clock, (parameters, Changes::One), &mut issued_ns);
+            self.assign_by_model(clock, parameters, Changes::One, &mut issued_ns);
         }
         issued_ns
     }
@@ -151,7 +151,10 @@ impl Log {
         issued_ns: &[u64],
     ) -> f64 {
         let errors = rows.map(|row| {
-            let timing = (conditions, issued_ns);
+            let timing = Timing {
+                conditions,
+                issued_ns,
+            };
             self.step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .map_or(f64::INFINITY, |values| self.square_error(&values, row))
         });
@@ -163,7 +166,8 @@ impl Log {
     fn assign_by_model(
         &self,
         clock: LoggerClock,
-        (parameters, changes): (&PlantParameters, Changes),
+        parameters: &PlantParameters,
+        changes: Changes,
         issued_ns: &mut [u64],
     ) {
         let sample_time_ns = parameters.ecu.sample_time_ns();
@@ -202,7 +206,10 @@ impl Log {
                     assigned(best, &mut issued_ns[row..]);
                 }
             }
-            let timing = (&conditions, &*issued_ns);
+            let timing = Timing {
+                conditions: &conditions,
+                issued_ns: &*issued_ns,
+            };
             if self
                 .step(&mut replay, row, timing, Horizon::OneStepAhead)
                 .is_none()

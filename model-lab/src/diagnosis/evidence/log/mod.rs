@@ -35,6 +35,31 @@ const SCOPE_INTERVAL_S: f64 = 2e-4;
 /// Interval of the commands, in samples of the ECU, above which the sample at which a command was given is undetermined.
 const SLOWER: f64 = 0.75;
 
+/// Conditions of a log with the instants at which its commands were given.
+#[derive(Clone, Copy)]
+pub(crate) struct Timing<'a> {
+    pub(crate) conditions: &'a Conditions,
+    /// Instant of the command of each row (ns of the ECU); empty where the rows are in the time of the ECU.
+    pub(crate) issued_ns: &'a [u64],
+}
+
+/// Simulation of a log.
+#[derive(Clone, Copy)]
+pub(crate) struct Simulation {
+    pub(crate) horizon: Horizon,
+    pub(crate) tolerance: Tolerance,
+}
+
+impl Simulation {
+    /// Returns the simulation for this horizon with the usual tolerance.
+    fn to(horizon: Horizon) -> Self {
+        Self {
+            horizon,
+            tolerance: Tolerance::default(),
+        }
+    }
+}
+
 /// Log that is prepared for repeated simulation.
 #[derive(Clone)]
 pub(crate) struct Log {
@@ -246,12 +271,11 @@ impl Log {
         };
         let issued_ns = issued_ns.as_deref().unwrap_or_default();
         let mut residuals = Residuals::new();
-        self.residuals_into(
-            parameters,
-            (&conditions, issued_ns),
-            (horizon, Tolerance::default()),
-            &mut residuals,
-        )?;
+        let timing = Timing {
+            conditions: &conditions,
+            issued_ns,
+        };
+        self.residuals_into(parameters, timing, Simulation::to(horizon), &mut residuals)?;
         Some(residuals)
     }
 
@@ -386,10 +410,14 @@ impl Log {
         let mut last = f64::NAN;
         let column = pressure.column;
         let mut last_s = 0.0;
+        let timing = Timing {
+            conditions: &Conditions::default(),
+            issued_ns: &[],
+        };
         self.run(
             parameters,
-            (&Conditions::default(), &[]),
-            (Horizon::FreeRun, Tolerance::default()),
+            timing,
+            Simulation::to(Horizon::FreeRun),
             |row, values| {
                 let span_s = self.commands.times_s[row] - last_s;
                 let periods = (span_s * parameters.ecu.pwm_frequency_hz).max(1.0);
@@ -416,8 +444,8 @@ impl Log {
     fn run(
         &self,
         parameters: &PlantParameters,
-        (conditions, issued_ns): (&Conditions, &[u64]),
-        (horizon, tolerance): (Horizon, Tolerance),
+        timing: Timing<'_>,
+        simulation: Simulation,
         mut see: impl FnMut(usize, &Row),
     ) -> Option<()> {
         let without_supply;
@@ -427,9 +455,10 @@ impl Log {
         } else {
             parameters
         };
-        let mut replay = self.begin(parameters, conditions, tolerance);
+        let Simulation { horizon, tolerance } = simulation;
+        let mut replay = self.begin(parameters, timing.conditions, tolerance);
         for index in 0..self.inputs.len() {
-            let row = self.step(&mut replay, index, (conditions, issued_ns), horizon)?;
+            let row = self.step(&mut replay, index, timing, horizon)?;
             see(index, &row);
         }
         Some(())
@@ -443,17 +472,16 @@ impl Log {
     ) -> Replay {
         let around = self.surroundings.around(parameters);
         self.start
-            .begin(&around, conditions, (self.sampling, tolerance))
+            .begin(&around, conditions, self.sampling, tolerance)
     }
 
     /// Returns the input of row `index` in the time of the ECU, whose command was given at an instant of the ECU if the logger has its own
     /// clock.
-    fn on_ecu_time(
-        &self,
-        index: usize,
-        (conditions, issued_ns): (&Conditions, Option<u64>),
-    ) -> ReplayInput {
-        conditions.on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns)
+    fn on_ecu_time(&self, index: usize, timing: Timing<'_>) -> ReplayInput {
+        let issued_ns = timing.issued_ns.get(index).copied();
+        timing
+            .conditions
+            .on_ecu_time(self.inputs[index], self.log_ns(index), issued_ns)
     }
 
     /// Advances to row `index`, and corrects the model there; none where the simulation was aborted. The commands were given at instants of
@@ -462,24 +490,22 @@ impl Log {
         &self,
         replay: &mut Replay,
         index: usize,
-        (conditions, issued_ns): (&Conditions, &[u64]),
+        timing: Timing<'_>,
         horizon: Horizon,
     ) -> Option<Row> {
-        let given_ns = issued_ns.get(index).copied();
-        let input = self.on_ecu_time(index, (conditions, given_ns));
+        let input = self.on_ecu_time(index, timing);
         let time_s = self.commands.times_s[index];
-        let warmth = self.start.warmth(replay, conditions, time_s);
+        let warmth = self.start.warmth(replay, timing.conditions, time_s);
         let row = self.start.row(replay, input, warmth)?;
         self.start.restart(replay, index, || {
             (index + 1..self.inputs.len()).map(|row| {
-                let issued_ns = issued_ns.get(row).copied();
                 let pressure = self.pressure().map_or(f64::NAN, |one| one.values[row]);
-                (self.on_ecu_time(row, (conditions, issued_ns)), pressure)
+                (self.on_ecu_time(row, timing), pressure)
             })
         });
         if let Some(channel) = self.pressure().filter(|_| horizon == Horizon::OneStepAhead) {
             let (measured, gain) = (channel.values[index], self.predictor.gains[index]);
-            self.start.correct(replay, (&row, warmth), measured, gain);
+            self.start.correct(replay, &row, warmth, measured, gain);
         }
         Some(row)
     }
@@ -487,13 +513,12 @@ impl Log {
     /// Returns the rows of the model, corrected by the measured pressure; none where the simulation was aborted.
     pub(crate) fn predicted(&self, parameters: &PlantParameters) -> Option<Vec<Row>> {
         let mut rows = Vec::with_capacity(self.inputs.len());
-        let simulation = (Horizon::OneStepAhead, Tolerance::default());
-        self.run(
-            parameters,
-            (&self.conditions, &self.issued_ns),
-            simulation,
-            |_, row| rows.push(*row),
-        )?;
+        let timing = Timing {
+            conditions: &self.conditions,
+            issued_ns: &self.issued_ns,
+        };
+        let simulation = Simulation::to(Horizon::OneStepAhead);
+        self.run(parameters, timing, simulation, |_, row| rows.push(*row))?;
         Some(rows)
     }
 
@@ -501,26 +526,22 @@ impl Log {
     pub(crate) fn residuals_into(
         &self,
         parameters: &PlantParameters,
-        (conditions, issued_ns): (&Conditions, &[u64]),
-        (horizon, tolerance): (Horizon, Tolerance),
+        timing: Timing<'_>,
+        simulation: Simulation,
         all: &mut Residuals,
     ) -> Option<()> {
         let rows = self.inputs.len();
         let begin = all.len();
         all.resize(begin + rows * self.channels.len(), 0.0);
-        self.run(
-            parameters,
-            (conditions, issued_ns),
-            (horizon, tolerance),
-            |index, row| {
-                for (n, channel) in self.channels.iter().enumerate() {
-                    let error = channel.values[index] - row[channel.column];
-                    if error.is_finite() && self.counted[index] {
-                        all[begin + n * rows + index] = error / self.floor(channel, horizon, index);
-                    }
+        self.run(parameters, timing, simulation, |index, row| {
+            for (n, channel) in self.channels.iter().enumerate() {
+                let error = channel.values[index] - row[channel.column];
+                if error.is_finite() && self.counted[index] {
+                    let floor = self.floor(channel, simulation.horizon, index);
+                    all[begin + n * rows + index] = error / floor;
                 }
-            },
-        )
+            }
+        })
     }
 
     /// Returns the error of a perfect model at this row, in the unit of the channel.

@@ -72,7 +72,7 @@ mod tests {
             (0.09, 0.0, 70.0),
             (0.43, 0.0, 0.0),
         ];
-        let log = logged_through(&plant, (clock, 5e-3), 1, &pulses.repeat(50));
+        let log = logged_through(&plant, clock, 5e-3, 1, &pulses.repeat(50));
         let mut evidence = gather(&plant, [&log]).unwrap();
         let off_s = |evidence: &Evidence| {
             let log = &evidence.logs[0];

@@ -22,7 +22,8 @@ impl Admitted {
     fn of(
         admitting: &CommandClock,
         clock: LoggerClock,
-        (middle_s, ends_s): (f64, [f64; 2]),
+        middle_s: f64,
+        ends_s: [f64; 2],
         sample_time_s: f64,
     ) -> Self {
         let apart_s = |at_s: f64| admitting.clock.phase_at_s(at_s) - clock.phase_at_s(at_s);
@@ -67,7 +68,7 @@ pub(super) fn known_clock(
 ) -> KnownClock {
     let (interval_s, sample_time_s) = (log.command_interval_s, log.sample_time_s);
     let ends_s = ends_s(log.inputs(), sample_time_s);
-    let phases = |one| Admitted::of(one, clock, (log.middle_s(), ends_s), sample_time_s);
+    let phases = |one| Admitted::of(one, clock, log.middle_s(), ends_s, sample_time_s);
     let admitted: Vec<Admitted> = from_commands.iter().map(phases).collect();
     let Admitted(joined) = Admitted([(0.0, 0.0); 2]).joined(&admitted);
     KnownClock::Ends([0, 1].map(|end| {
@@ -105,7 +106,7 @@ mod tests {
             drift_ppm: 55.0,
         };
         let plant = PlantParameters::nominal();
-        let log = logged_through(&plant, (clock, 5e-3), 1, &pulses.repeat(40));
+        let log = logged_through(&plant, clock, 5e-3, 1, &pulses.repeat(40));
         let evidence = gather(&plant, [&log]).unwrap();
         let log = &evidence.logs[0];
         let KnownClock::Ends(ends) = log.known_clock else {

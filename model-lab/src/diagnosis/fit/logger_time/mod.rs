@@ -148,7 +148,7 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
         let clocks: Vec<_> = clocks.collect();
         Some(tries.best(&clocks, &delay.candidates_s(plant, DELAY_STEP_S)))
     } else {
-        find_clock_on_model(plant, (log, &tries), delay, drifts_ppm)
+        find_clock_on_model(plant, log, &tries, delay, drifts_ppm)
     };
     if let Some(clock) = found.and_then(|found| found.whole.clock) {
         let clock = clock.later(sample_time_s);
@@ -163,7 +163,8 @@ fn find_loggers_clock(plant: &PlantParameters, log: &mut Log, delay: Delay, drif
 /// leaves clearly less.
 fn find_clock_on_model(
     plant: &PlantParameters,
-    (log, tries): (&Log, &Tries),
+    log: &Log,
+    tries: &Tries,
     delay: Delay,
     drifts_ppm: &[f64],
 ) -> Option<Found> {
@@ -192,7 +193,7 @@ fn find_clock_on_model(
             Delay::AsGiven => f64::INFINITY,
             Delay::Searched => 0.5 * (1.0 + delay.clear()) * as_ecu.begun_loss,
         };
-        let found = tries.best_drifting((&phases_s, &delays_s, &drifts_ppm), most)?;
+        let found = tries.best_drifting(&phases_s, &delays_s, &drifts_ppm, most)?;
         let is_clear = found.whole.loss <= delay.clear() * as_ecu.whole.loss;
         (is_proven || is_clear).then_some(found)
     })
@@ -290,7 +291,7 @@ mod tests {
     /// Returns a log of the nominal plant whose commands determine its `CLOCK`.
     fn determining_log() -> Recording {
         let plant = PlantParameters::nominal();
-        logged_through(&plant, (CLOCK, 6.9e-3), 1, &PULSES.repeat(30))
+        logged_through(&plant, CLOCK, 6.9e-3, 1, &PULSES.repeat(30))
     }
 
     /// Returns the difference of two phases (s) to the nearest whole sample of the ECU.
@@ -373,7 +374,8 @@ mod tests {
         let has_clock = |interval_s: f64| {
             let log = pressure_alone(&logged_through(
                 &plant,
-                (LoggerClock::default(), interval_s),
+                LoggerClock::default(),
+                interval_s,
                 1,
                 &PULSES.repeat(15),
             ));
@@ -430,7 +432,7 @@ mod tests {
             phase_s: 0.5e-3,
             drift_ppm: -185.0,
         };
-        let log = logged_through(&rig, (clock, 8.05e-3), 1, &PULSES.repeat(60));
+        let log = logged_through(&rig, clock, 8.05e-3, 1, &PULSES.repeat(60));
         let mut evidence = gather(&plant, [&log]).unwrap();
         fit_conditions(&plant, &mut evidence);
         let log = &evidence.logs[0];

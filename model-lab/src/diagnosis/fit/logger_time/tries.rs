@@ -90,7 +90,9 @@ impl<'a> Tries<'a> {
     /// if the smallest loss at the beginning is above `most`.
     pub(super) fn best_drifting(
         &self,
-        (phases_s, delays_s, drifts_ppm): (&[f64], &[f64], &[f64]),
+        phases_s: &[f64],
+        delays_s: &[f64],
+        drifts_ppm: &[f64],
         most: f64,
     ) -> Option<Found> {
         let middle_s = self.beginning().middle_s();
