@@ -99,6 +99,50 @@ fn no_replaced_word_comes_back() {
     assert!(found.is_empty(), "\n{}", found.join("\n"));
 }
 
+/// Commands, tables, pictures and headings have the length that they need.
+#[test]
+fn lines_of_markdown_text_have_at_most_120_columns() {
+    let root = repository();
+    let mut paths = Vec::new();
+    collect(&root, &mut paths);
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "md"));
+    assert!(paths.len() > 20, "the documents were found: {paths:?}");
+    let long = paths.iter().flat_map(|path| {
+        let text = fs::read_to_string(path).expect("a text file of the repository");
+        let lines = long_lines(&text);
+        let place = path
+            .strip_prefix(&root)
+            .unwrap_or(path)
+            .display()
+            .to_string();
+        lines.into_iter().map(move |line| format!("{place}:{line}"))
+    });
+    let long: Vec<String> = long.collect();
+    assert!(long.is_empty(), "wrap these lines:\n{}", long.join("\n"));
+}
+
+/// Returns the numbers of the lines of text with more than 120 characters. A link is not broken.
+fn long_lines(text: &str) -> Vec<usize> {
+    let mut is_code = false;
+    let mut long = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let begin = line.trim_start();
+        is_code ^= begin.starts_with("```");
+        let is_text = !is_code && !begin.starts_with(['|', '!', '#', '<']);
+        if is_text && line.chars().count() > 120 && !line.contains("](") {
+            long.push(number);
+        }
+    }
+    long
+}
+
+#[test]
+fn a_long_line_is_found_in_text_and_not_in_code_or_a_table() {
+    let word = "valve ".repeat(21);
+    let text = format!("{word}\n```sh\n{word}\n```\n| {word}|\nshort\n- {word}\n");
+    assert_eq!(long_lines(&text), [1, 7]);
+}
+
 #[test]
 fn only_whole_words_are_found_and_their_case_counts() {
     assert!(has_word("the course of p_ch", "course"));
