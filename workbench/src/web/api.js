@@ -33,15 +33,16 @@ async function request(method, path, body, signal) {
     options.body = JSON.stringify(body);
     options.headers["content-type"] = "application/json";
   }
-  let response;
+  let response, text;
   try {
     response = await fetch(`/api${path}`, options);
+    // A server may also end within its answer.
+    text = await response.text();
   } catch (error) {
     if (error.name === "AbortError") throw error;
     onLost("gone");
     throw noAnswer();
   }
-  const text = await response.text();
   const isJson = (response.headers.get("content-type") ?? "").startsWith("application/json");
   const value = isJson ? JSON.parse(text) : text;
   if (response.ok) return value;

@@ -17,6 +17,33 @@ async fn paste(person: &Person, text: &str) {
         .await;
 }
 
+/// Defect seen: a server that ended within an answer was reported as "Failed to fetch" beside the notice.
+#[test]
+fn an_answer_that_is_cut_off_counts_as_no_answer() {
+    with_browser(async |person| {
+        person.click("[data-example='practice-01']").await;
+        person
+            .until("document.querySelectorAll('.log').length === 2")
+            .await;
+        person.compare("practice-01-id.csv").await;
+        person
+            .run(
+                "globalThis.fetch = async (path) => { \
+                   if (path.endsWith('/presence')) throw new TypeError('Failed to fetch'); \
+                   return new Response(new ReadableStream({ start: (body) => body.error(new TypeError('Failed to fetch')) })); }",
+            )
+            .await;
+        person.press("#time-plots", "+").await;
+        person.until(NOTICE).await;
+        assert_eq!(
+            person
+                .run("return document.querySelectorAll('#messages .problem').length")
+                .await,
+            json!(0)
+        );
+    });
+}
+
 /// Defect seen: after a restart of the server, an open tab was dead and did not say so.
 #[test]
 fn an_open_tab_says_that_its_server_has_ended_and_continues_with_the_new_address() {
