@@ -97,10 +97,7 @@ async fn on_all_pages(person: &Person, check: impl AsyncFn(&Person)) {
 #[test]
 fn no_page_violates_wcag_2_1_aa_in_light_or_dark() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         // Pages with results have more to check: an estimation, an effect with its sliders.
         go_to(person, "estimate").await;
         person.click("#estimate").await;

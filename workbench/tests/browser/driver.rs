@@ -290,6 +290,13 @@ impl Person {
         .await;
     }
 
+    /// Opens the example of practice rig 01, which has two logs.
+    pub(crate) async fn open_example(&self) {
+        self.click("[data-example='practice-01']").await;
+        self.until("document.querySelectorAll('.log').length === 2")
+            .await;
+    }
+
     /// Opens the page of a log's comparison, and waits for its end.
     pub(crate) async fn compare(&self, log: &str) {
         self.click(&format!("[data-name=\"{log}\"] .compare")).await;

@@ -12,10 +12,7 @@ const FITS: &str = "[...document.querySelectorAll('#interval-plot, #correlation-
 const STEPS: &str = "document.querySelectorAll('#steps li').length";
 
 async fn open_estimate(person: &Person) {
-    person.click("[data-example='practice-01']").await;
-    person
-        .until("document.querySelectorAll('.log').length === 2")
-        .await;
+    person.open_example().await;
     go_to(person, "estimate").await;
 }
 

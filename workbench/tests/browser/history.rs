@@ -11,13 +11,6 @@ use crate::driver::{Person, with_browser};
 const FIT: Duration = Duration::from_secs(300);
 const RUNS: &str = "document.querySelector('#jobs:not([hidden]) progress')";
 
-async fn open_example(person: &Person) {
-    person.click("[data-example='practice-01']").await;
-    person
-        .until("document.querySelectorAll('.log').length === 2")
-        .await;
-}
-
 async fn shows(person: &Person, page: &str) {
     let ready = format!("document.body.dataset.ready === '{page}'");
     person.until(&ready).await;
@@ -42,7 +35,7 @@ async fn back(client: &Client) {
 #[test]
 fn back_and_forward_move_between_pages_which_keep_their_views() {
     with_browser(async |person| {
-        open_example(person).await;
+        person.open_example().await;
         go_to(person, "compare").await;
         let entries = "return history.length";
         let before = person.run(entries).await;
@@ -86,7 +79,7 @@ fn back_and_forward_move_between_pages_which_keep_their_views() {
 #[test]
 fn a_job_runs_on_beside_other_pages_until_it_is_complete_or_stopped() {
     with_browser(async |person| {
-        open_example(person).await;
+        person.open_example().await;
         go_to(person, "diagnose").await;
         person.click("#diagnose").await;
         person.until(&format!("{RUNS}?.value > 0")).await;

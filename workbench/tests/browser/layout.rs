@@ -41,10 +41,7 @@ async fn outside(person: &Person, selector: &str) -> Value {
 #[test]
 fn every_pop_up_and_the_header_are_inside_of_windows_of_three_sizes() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         for (page, menus) in [
             ("compare", &["signals", "limits", "export"][..]),
             ("control", &["export"]),
@@ -100,10 +97,7 @@ async fn rows(person: &Person) -> Vec<(String, f64, bool)> {
 fn the_plots_the_time_axis_and_the_error_map_of_compare_fit_a_small_window() {
     with_browser(async |person| {
         set_page_size(person, (1280, 800)).await;
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.compare("practice-01-id.csv").await;
         for theme in ["light", "dark"] {
             if person

@@ -11,11 +11,6 @@ const FIT: Duration = Duration::from_secs(300);
 const LOGS: &str = "document.querySelectorAll('.log').length";
 const PROBLEMS: &str = "document.querySelectorAll('#messages .problem').length";
 
-async fn open_example(person: &Person) {
-    person.click("[data-example='practice-01']").await;
-    person.until(&format!("{LOGS} === 2")).await;
-}
-
 async fn go_to(person: &Person, page: &str) {
     person.click(&format!("nav a[href^='#/{page}']")).await;
     person
@@ -76,7 +71,7 @@ fn a_problem_is_shown_once_and_goes_with_its_page() {
 #[test]
 fn a_question_can_be_left_unanswered() {
     with_browser(async |person| {
-        open_example(person).await;
+        person.open_example().await;
         let close_everything = "[...document.querySelectorAll('#page button')].find((one) => one.textContent === 'Close everything').click()";
         for opens in [
             "document.querySelector('[data-example=practice-02]').click()",
@@ -98,7 +93,7 @@ fn a_question_can_be_left_unanswered() {
 #[test]
 fn a_double_click_begins_and_does_not_cancel() {
     with_browser(async |person| {
-        open_example(person).await;
+        person.open_example().await;
         go_to(person, "refine").await;
         person.fill("#add-effect", "chamber_leak").await;
         person.click("#add").await;
@@ -147,7 +142,7 @@ fn a_double_click_begins_and_does_not_cancel() {
 #[test]
 fn a_server_that_is_gone_is_reported_on_the_page() {
     with_browser(async |person| {
-        open_example(person).await;
+        person.open_example().await;
         person.stop_the_server();
         person.click("nav a[href^='#/compare']").await;
         person

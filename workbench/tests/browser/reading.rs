@@ -11,10 +11,7 @@ async fn legend(person: &Person) -> String {
 #[test]
 fn the_legend_lists_what_is_drawn_and_bars_share_a_zero() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.compare("practice-01-id.csv").await;
         let all = legend(person).await;
         for part in [
@@ -76,10 +73,7 @@ fn short_times_are_in_milliseconds() {
 #[test]
 fn the_page_without_its_charting_library_is_light() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         let sent = "return ['navigation', 'resource'].flatMap((type) => performance.getEntriesByType(type)) \
                     .filter((one) => !one.name.endsWith('/plotly.js')).reduce((sum, one) => sum + one.transferSize, 0)";
         let sent = person.run(sent).await.as_u64().unwrap();
@@ -92,10 +86,7 @@ fn the_page_without_its_charting_library_is_light() {
 #[test]
 fn every_chart_has_a_name_and_terms_have_their_meaning() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.compare("practice-01-id.csv").await;
         let nameless = "[...document.querySelectorAll('.chart')].filter((chart) => !chart.getAttribute('aria-label') || !chart.getAttribute('role')).map((chart) => chart.id)";
         let charts = "document.querySelectorAll('#time-plots, #error-map, #scatter, #fold, #distribution, #spectrum').length";
@@ -122,10 +113,7 @@ fn a_report_without_logs_cannot_be_written() {
             person.click("nav a[href^='#/logs']").await;
             person.until("document.body.dataset.ready === 'logs'").await;
             if logs == 0 {
-                person.click("[data-example='practice-01']").await;
-                person
-                    .until("document.querySelectorAll('.log').length === 2")
-                    .await;
+                person.open_example().await;
             }
         }
     });
@@ -141,10 +129,7 @@ fn every_page_ends_in_one_next_step_with_its_button() {
             empty,
             json!("Next: open a log, or an example.Choose files …")
         );
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         for (page, expected) in [
             (
                 "logs",

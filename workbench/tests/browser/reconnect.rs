@@ -21,10 +21,7 @@ async fn paste(person: &Person, text: &str) {
 #[test]
 fn an_answer_that_is_cut_off_counts_as_no_answer() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.compare("practice-01-id.csv").await;
         person
             .run(
@@ -48,10 +45,7 @@ fn an_answer_that_is_cut_off_counts_as_no_answer() {
 #[test]
 fn an_open_tab_says_that_its_server_has_ended_and_continues_with_the_new_address() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.compare("practice-01-id.csv").await;
         person.press("#time-plots", "+").await;
         let range = "document.getElementById('time-plots').layout.xaxis.range.join()";
@@ -113,10 +107,7 @@ fn an_open_tab_says_that_its_server_has_ended_and_continues_with_the_new_address
 #[test]
 fn a_page_that_was_first_opened_without_a_server_is_shown_after_the_restart() {
     with_browser(async |person| {
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.stop_the_server();
         person.click("nav a[href^='#/refine']").await;
         person.until(NOTICE).await;

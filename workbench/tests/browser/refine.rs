@@ -37,10 +37,7 @@ async fn slide(person: &Person, key: &str, place: f64, rests: bool) {
 fn the_leak_of_a_rig_is_named_added_moved_taken_back_and_fitted() {
     with_browser(async |person| {
         let first_click = Instant::now();
-        person.click("[data-example='practice-01']").await;
-        person
-            .until("document.querySelectorAll('.log').length === 2")
-            .await;
+        person.open_example().await;
         person.click("nav a[href^='#/diagnose']").await;
         person
             .until("document.body.dataset.ready === 'diagnose'")
